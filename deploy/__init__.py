@@ -1,0 +1,1 @@
+"""Where all floors meet: the command line, the launcher, the rehearsal, metrics and pictures."""

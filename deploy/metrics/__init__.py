@@ -1,0 +1,1 @@
+"""Metrics: pure folds over the facts of a run, one file per mission."""

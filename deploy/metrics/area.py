@@ -1,0 +1,95 @@
+"""Idleness and delay of situation awareness, folded from facts.
+
+Source: Kobayashi et al. 2025, equations 1-9. For site k at tick t, idleness is t minus the last true visit;
+SA delay is t minus the last visit that the tower process has reported to know.
+
+    graph idleness  = mean over time of (mean over sites of idleness)      worst = max over time of (max)
+    mean SA delay   = mean over time of (mean over sites of SA delay)      worst = max over time of (max)
+    normalised      = value * (N - 1) / K, N nodes with the tower, K sites
+
+Means are over the ticks from `metrics_from_s` on. The paper prints 1/T where it sums T - t0 + 1 terms; we
+divide by the number of terms. A site counts as visited at tick 0.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from swarm_agent.knowledge import merge_news
+from tower.base_station import Awareness
+from wire import codec
+from wire.messages import Facts
+from wire.scenario import Scenario
+
+NAMES = ("graph_idleness_s", "worst_idleness_s", "mean_sa_delay_s", "worst_sa_delay_s")
+
+
+class Instant(NamedTuple):
+    """The four instantaneous metrics of one tick, in seconds."""
+
+    tick: int
+    graph_idleness_s: float
+    worst_idleness_s: float
+    mean_sa_delay_s: float
+    worst_sa_delay_s: float
+
+
+class AreaMetrics:
+    """The fold. Feed it facts in order; ask for the metrics at any time."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        sites = len(scenario.field.sites_m())
+        self.visited_tick = np.zeros(sites, dtype=np.int64)
+        self.known_tick = np.zeros(sites, dtype="<u4")
+        self._from_tick = scenario.tick_of(scenario.metrics_from_s)
+        self._next_tick = 0
+        self._terms = 0
+        self._sums = np.zeros(2)
+        self._worst = np.zeros(2)
+
+    def feed(self, facts: Facts) -> Instant:
+        """Take in one tick. Ticks between this and the last one are filled in: nothing happened in them."""
+        for tick in range(self._next_tick, facts.tick):
+            self._measure(tick)
+        for _, site in facts.visits:
+            self.visited_tick[site] = facts.tick
+        for node, report in facts.reports:
+            if node == self._scenario.tower.id:
+                self._learn(report)
+        self._next_tick = facts.tick + 1
+        return self._measure(facts.tick)
+
+    def summary(self) -> dict[str, float | None]:
+        """The run's metrics, raw and normalised; None where the run ended before `metrics_from_s`."""
+        if self._terms == 0:
+            values = dict.fromkeys(NAMES)
+        else:
+            means = self._sums / self._terms
+            values = dict(zip(NAMES, (means[0], self._worst[0], means[1], self._worst[1]), strict=True))
+        share = len(self._scenario.robot_ids) / len(self.visited_tick)
+        normalised = {f"normalised_{name}": _times(value, share) for name, value in values.items()}
+        return {name: _times(value, 1.0) for name, value in values.items()} | normalised
+
+    def _learn(self, report: bytes) -> None:
+        awareness = codec.decode(Awareness, report)
+        if awareness.whole:
+            self.known_tick[:] = 0
+        merge_news(self.known_tick, awareness.news)
+
+    def _measure(self, tick: int) -> Instant:
+        tick_s = self._scenario.tick_s
+        sites = len(self.visited_tick)
+        graph_idle = (tick - self.visited_tick.sum() / sites) * tick_s
+        mean_delay = (tick - self.known_tick.sum(dtype=np.int64) / sites) * tick_s
+        worst_idle = (tick - self.visited_tick.min()) * tick_s
+        worst_delay = (tick - int(self.known_tick.min())) * tick_s
+        if tick >= self._from_tick:
+            self._terms += 1
+            self._sums += (graph_idle, mean_delay)
+            self._worst = np.maximum(self._worst, (worst_idle, worst_delay))
+        return Instant(tick, float(graph_idle), float(worst_idle), float(mean_delay), float(worst_delay))
+
+
+def _times(value: float | None, factor: float) -> float | None:
+    return None if value is None else float(value) * factor

@@ -1,0 +1,229 @@
+"""From a TOML file and `--set` options to a checked Scenario, with errors an operator can act on."""
+
+import difflib
+import re
+import tomllib
+from pathlib import Path
+from typing import Any, get_args
+
+import msgspec
+import tomli_w
+
+from swarm_agent.behaviour import BehaviourError, find_behaviour, settled_parameters
+from wire.channels import number_of
+from wire.scenario import Partition, Poses, Scenario
+
+SHIPPED = Path(__file__).parent / "scenarios"
+
+
+class ScenarioError(Exception):
+    """An operator's mistake in a scenario: names the file, the field, the value and what would be right."""
+
+
+def shipped_scenarios() -> dict[str, Path]:
+    """Name and path of every scenario that comes with Picket."""
+    return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+
+
+def find_scenario(name: str) -> Path:
+    """The file of a scenario given by path or by the name of a shipped one. Raises ScenarioError."""
+    if name in shipped_scenarios():
+        return shipped_scenarios()[name]
+    path = Path(name)
+    if path.is_dir():
+        raise ScenarioError(f"{name}: is a directory; give a scenario file")
+    if not path.exists():
+        near = difflib.get_close_matches(name, shipped_scenarios(), 1)
+        hint = f"did you mean {near[0]}?" if near else "`picket scenarios` lists the shipped ones"
+        raise ScenarioError(f"{name}: no such file and no such scenario; {hint}")
+    return path
+
+
+def load_scenario(path: Path, settings: list[str] = [], **overrides: Any) -> Scenario:
+    """Read, change, check and complete a scenario. `overrides` replace top-level fields.
+
+    Raises ScenarioError.
+    """
+    document = _read(path)
+    for setting in settings:
+        _apply(document, setting)
+    document.update(overrides)
+    source = path.name
+    try:
+        scenario = msgspec.convert(document, Scenario)
+    except msgspec.ValidationError as error:
+        raise ScenarioError(f"{source}: {_explain(str(error), document)}") from None
+    _check(scenario, source)
+    return _complete(scenario, source)
+
+
+def to_toml(scenario: Scenario) -> str:
+    """The scenario as TOML that loads back to an equal one."""
+    return tomli_w.dumps(_without_none(msgspec.to_builtins(scenario)))
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text("utf-8"))
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f"{path.name}: not UTF-8 text (byte {error.start}); a scenario is TOML") from None
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"{path.name}: not valid TOML: {error}") from None
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+def _apply(document: dict[str, Any], setting: str) -> None:
+    """Carry out one `key.path=value`; the value is TOML, or else a plain string."""
+    path, equals, text = setting.partition("=")
+    if not equals or not path:
+        raise ScenarioError(f"--set {setting}: must be key.path=value")
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = text
+    *parents, last = path.split(".")
+    place: Any = document
+    try:
+        for step in parents:
+            place = place[int(step)] if isinstance(place, list) else place.setdefault(step, {})
+        if isinstance(place, list):
+            place[int(last)] = value
+        else:
+            place[last] = value
+    except (ValueError, IndexError, AttributeError, TypeError):
+        raise ScenarioError(f"--set {setting}: there is no such place in the scenario") from None
+
+
+def _explain(error: str, document: Any, kind: Any = Scenario) -> str:
+    """msgspec's complaint as: field, what would be right, value."""
+    what, _, place = error.partition(" - at `$")
+    steps = re.findall(r"\.([^.\[\]`]+)|\[(\d+)\]", place)
+    names = [name or int(index) for name, index in steps]
+    field = "".join(f"[{one}]" if isinstance(one, int) else f".{one}" for one in names).lstrip(".")
+    unknown = re.search(r"unknown field `(.+)`", what)
+    if unknown:
+        return _unknown(unknown.group(1), field, kind, names)
+    missing = re.search(r"missing required field `(.+)`", what)
+    if missing:
+        return f"{'.'.join(filter(None, (field, missing.group(1))))} is missing"
+    value = document
+    for one in names:
+        value = value[one]
+    words = what.replace("Expected", "must be").replace("Invalid", "is an invalid")
+    return f"{field} {words}, got {value!r}".replace("`", "")
+
+
+def _unknown(name: str, field: str, kind: Any, names: list[str | int]) -> str:
+    known = _fields_at(kind, names)
+    near = difflib.get_close_matches(name, known, 1)
+    hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}" if known else ""
+    return f"{'.'.join(filter(None, (field, name)))} is not a field; {hint}".rstrip("; ")
+
+
+def _fields_at(kind: Any, names: list[str | int]) -> list[str]:
+    """Names of the fields that may stand at a place of the schema; all variants of a union together."""
+    kinds = [kind]
+    for name in names:
+        found = [_inside(one, name) for one in _variants(kinds)]
+        kinds = [one for one in found if one is not None]
+    return [
+        field
+        for one in _variants(kinds)
+        if isinstance(one, type) and issubclass(one, msgspec.Struct)
+        for field in one.__struct_fields__
+    ]
+
+
+def _variants(kinds: list[Any]) -> list[Any]:
+    flat = []
+    for kind in kinds:
+        inner = [one for one in get_args(kind) if one is not Ellipsis]
+        is_struct = isinstance(kind, type) and issubclass(kind, msgspec.Struct)
+        flat += [kind] if is_struct or not inner else _variants(inner)
+    return flat
+
+
+def _inside(kind: Any, name: str | int) -> Any:
+    if isinstance(name, int) or not (isinstance(kind, type) and issubclass(kind, msgspec.Struct)):
+        return kind
+    hints = {field.name: field.type for field in msgspec.structs.fields(kind)}
+    return hints.get(name)
+
+
+def _check(scenario: Scenario, source: str) -> None:
+    """What types cannot say. Raises ScenarioError."""
+
+    def refuse(text: str) -> None:
+        raise ScenarioError(f"{source}: {text}")
+
+    if (scenario.robots.ids is None) == (scenario.robots.count is None):
+        refuse("robots needs either count or ids")
+    numbers: dict[int, str] = {}
+    for node in (scenario.tower.id, *(scenario.robots.ids or ())):
+        if number_of(node) in numbers:
+            other = numbers[number_of(node)]
+            refuse(f"robots.ids: {node} and {other} share the number {number_of(node)}; numbers are unique")
+        numbers[number_of(node)] = node
+    if scenario.metrics_from_s > scenario.duration_s:
+        refuse(f"metrics_from_s must be <= duration_s ({scenario.duration_s}), got {scenario.metrics_from_s}")
+    start = scenario.robots.start
+    if isinstance(start, Poses) and len(start.poses) != len(scenario.robot_ids):
+        refuse(f"robots.start.poses must have one pose for each of {len(scenario.robot_ids)} robots, "
+               f"got {len(start.poses)}")
+    known = ", ".join(scenario.node_ids)
+    for number, rule in enumerate(scenario.radio.rules):
+        for node in (one for group in rule.groups for one in group) if isinstance(rule, Partition) else ():
+            if node not in scenario.node_ids:
+                refuse(f"radio.rules[{number}].groups: there is no node {node}; nodes are {known}")
+    _check_faults(scenario, refuse)
+
+
+def _check_faults(scenario: Scenario, refuse: Any) -> None:
+    """Every fault has a node, a time within the run, and a state of the node in which it makes sense."""
+    state = dict.fromkeys(scenario.node_ids, "alive")
+    sound = {"kill": ("alive", "frozen"), "restart": ("dead",), "freeze": ("alive",), "thaw": ("frozen",)}
+    after = {"kill": "dead", "restart": "alive", "freeze": "frozen", "thaw": "alive"}
+    for number, fault in sorted(enumerate(scenario.faults), key=lambda one: one[1].at_s):
+        place = f"faults[{number}]"
+        if bool(fault.nodes) == (fault.highest_ids_share is not None):
+            refuse(f"{place} needs either nodes or highest_ids_share")
+        if fault.at_s > scenario.duration_s:
+            refuse(f"{place}.at_s must be <= duration_s ({scenario.duration_s}), got {fault.at_s}")
+        for node in scenario.nodes_of(fault):
+            if node not in state:
+                refuse(f"{place}.nodes: there is no node {node}; nodes are {', '.join(state)}")
+            if state[node] not in sound[fault.verb]:
+                refuse(f"{place}: cannot {fault.verb} {node} at {fault.at_s} s, it is {state[node]} then")
+            state[node] = after[fault.verb]
+
+
+def _complete(scenario: Scenario, source: str) -> Scenario:
+    """Find both behaviours and fill in their parameters, so that the resolved scenario says all."""
+    team_size = len(scenario.node_ids)
+    robots = _with_parameters(scenario.robots, "swarm_agent.behaviours", team_size, f"{source}: robots")
+    tower = _with_parameters(scenario.tower, "tower", team_size, f"{source}: tower")
+    return msgspec.structs.replace(scenario, robots=robots, tower=tower)
+
+
+def _with_parameters(section: Any, package: str, team_size: int, place: str) -> Any:
+    try:
+        behaviour = find_behaviour(section.behaviour, package)
+        parameters = settled_parameters(behaviour, section.parameters, team_size)
+    except BehaviourError as error:
+        raise ScenarioError(f"{place}.behaviour: {error}") from None
+    except msgspec.ValidationError as error:
+        kind = behaviour.Parameters
+        raise ScenarioError(f"{place}.parameters.{_explain(str(error), section.parameters, kind)}") from None
+    except ValueError as error:
+        raise ScenarioError(f"{place}.parameters: {error}") from None
+    return msgspec.structs.replace(section, parameters=_without_none(msgspec.to_builtins(parameters)))
+
+
+def _without_none(value: Any) -> Any:
+    """TOML has no null: fields at None are left out, which reads back as None."""
+    if isinstance(value, dict):
+        return {name: _without_none(one) for name, one in value.items() if one is not None}
+    if isinstance(value, (list, tuple)):
+        return [_without_none(one) for one in value]
+    return value

@@ -1,0 +1,6 @@
+"""A robot process: `python -m swarm_agent --ticket-fd N --parent-pid P [--memory-fd M]`, started by the launcher."""
+
+from swarm_agent.startup import run_node
+
+if __name__ == "__main__":
+    run_node("swarm_agent.behaviours")

@@ -1,0 +1,1 @@
+"""One algorithm, one file, one class. To add yours, see the README."""

@@ -1,0 +1,122 @@
+"""What a node knows of the field: assumed idleness, and the standard frame that carries it.
+
+Any behaviour that says its news in a `Bulletin` is understood by the tower, whatever else it adds.
+Source: Kobayashi et al. 2025, section IV-A and Algorithm 1; the memory of what neighbours have is ours.
+"""
+
+from typing import Any, Generic, TypeVar
+
+import msgspec
+import numpy as np
+
+from swarm_agent.behaviour import Heard
+
+Own = TypeVar("Own")
+
+
+class News(msgspec.Struct, frozen=True, array_like=True):
+    """Times of last known visits. `visited_tick`: uint32; `sites`: uint16, or empty for all sites in order."""
+
+    visited_tick: bytes
+    sites: bytes = b""
+
+    def __post_init__(self) -> None:
+        times, odd = divmod(len(self.visited_tick), 4)
+        if odd or (self.sites and len(self.sites) != 2 * times):
+            raise ValueError("news with columns of unequal length")
+
+
+def merge_news(visited_tick: np.ndarray, news: News) -> None:
+    """Raise every entry of `visited_tick` to the newer one; news of a field of another size is ignored."""
+    times = np.frombuffer(news.visited_tick, dtype="<u4")
+    if not news.sites:
+        if len(times) == len(visited_tick):
+            np.maximum(visited_tick, times, out=visited_tick)
+        return
+    sites = np.frombuffer(news.sites, dtype="<u2")
+    if sites.max() < len(visited_tick):
+        np.maximum.at(visited_tick, sites, times)
+
+
+class Bulletin(msgspec.Struct, Generic[Own], frozen=True, array_like=True):
+    """One frame: news for all, what the sender just heard, and the behaviour's own message.
+
+    `heard`: (sender, tick it was sent) of frames in the last inbox. `since_tick`: when this mind began, so
+    that others notice a lost memory.
+    """
+
+    news: News
+    heard: tuple[tuple[str, int], ...] = ()
+    since_tick: int = 0
+    message: Own | None = None
+
+
+AnyBulletin = Bulletin[Any]
+
+
+class AssumedIdleness:
+    """A node's table of last known visits. Only times are kept: idleness is now minus time (spec of [8])."""
+
+    def __init__(self, sites: int) -> None:
+        self.visited_tick = np.zeros(sites, dtype="<u4")
+
+    def note_visit(self, site: int, tick: int) -> None:
+        """A patrol of `site` was completed at `tick` (Algorithm 1, lines 5-6)."""
+        self.visited_tick[site] = tick
+
+    def idle_ticks(self, tick: int) -> np.ndarray:
+        """Assumed idleness of every site at `tick`: int64, (sites,) (lines 2-4)."""
+        return tick - self.visited_tick.astype(np.int64)
+
+    def merge(self, news: News) -> None:
+        """Take over every entry that is strictly newer than ours (lines 13-19)."""
+        merge_news(self.visited_tick, news)
+
+    def newest(self, items: int, among: np.ndarray | None = None) -> News:
+        """The `items` entries with the largest times (line 10), lower site first among equals.
+
+        `among`: bool, (sites,), restricts the choice.
+        """
+        if among is None and items >= len(self.visited_tick):
+            return News(self.visited_tick.tobytes())
+        sites = np.flatnonzero(self.visited_tick if among is None else among)
+        order = np.argsort(-self.visited_tick[sites].astype(np.int64), kind="stable")
+        chosen = sites[order[:items]].astype("<u2")
+        return News(self.visited_tick[chosen].tobytes(), chosen.tobytes())
+
+
+class NeighbourMemory:
+    """What each neighbour is known to have, so that scarce items are not spent on old news.
+
+    An entry counts as known to a neighbour that said it, or that acknowledged the frame that carried it.
+    """
+
+    def __init__(self, node: str, sites: int) -> None:
+        self._node = node
+        self._sites = sites
+        self._known: dict[str, np.ndarray] = {}
+        self._since: dict[str, int] = {}
+        self._sent: dict[int, News] = {}
+
+    def listen(self, heard: list[Heard]) -> None:
+        """Learn from the bulletins of one inbox what their senders have."""
+        for sender, _, bulletin in heard:
+            if self._since.get(sender) != bulletin.since_tick:
+                self._since[sender] = bulletin.since_tick
+                self._known[sender] = np.zeros(self._sites, dtype="<u4")
+            merge_news(self._known[sender], bulletin.news)
+            for name, tick in bulletin.heard:
+                if name == self._node and tick in self._sent:
+                    merge_news(self._known[sender], self._sent[tick])
+
+    def unknown_to(self, neighbours: list[str], visited_tick: np.ndarray) -> np.ndarray:
+        """Which of our entries some neighbour is not known to have: bool, (sites,)."""
+        if not neighbours:
+            return visited_tick > 0
+        oldest = np.min([self._known[one] for one in neighbours], axis=0)
+        return visited_tick > oldest
+
+    def remember_sent(self, tick: int, news: News, keep_ticks: int = 64) -> None:
+        """Keep what was said at `tick` until it may have been acknowledged."""
+        self._sent[tick] = news
+        self._sent.pop(tick - keep_ticks, None)

@@ -1,0 +1,1 @@
+"""What crosses between processes: addresses, messages, codec, link and scenario. Imports nothing of ours."""

@@ -1,0 +1,44 @@
+"""MessagePack with a schema version in front, validated on the way in.
+
+The first byte of every message is the schema version; what follows is one array-like Struct. Whatever is
+wrong with received bytes, the answer is one exception, `Malformed`, whose text says what and where.
+"""
+
+from functools import cache
+from typing import Any
+
+import msgspec
+
+SCHEMA_VERSION = 1
+MAX_BYTES = 8 * 1024 * 1024
+
+_PREFIX = bytes([SCHEMA_VERSION])
+_encoder = msgspec.msgpack.Encoder()
+
+
+class Malformed(ValueError):
+    """Received bytes that are not a valid message."""
+
+
+@cache
+def _decoder(kind: Any) -> msgspec.msgpack.Decoder:
+    return msgspec.msgpack.Decoder(kind)
+
+
+def encode(message: Any) -> bytes:
+    """One message as bytes; equal messages give equal bytes."""
+    return _PREFIX + _encoder.encode(message)
+
+
+def decode(kind: Any, data: bytes) -> Any:
+    """The message of type `kind` in `data`. Raises Malformed."""
+    if not data:
+        raise Malformed("no bytes at all")
+    if data[0] != SCHEMA_VERSION:
+        raise Malformed(f"schema version {data[0]}, this program speaks {SCHEMA_VERSION}")
+    if len(data) > MAX_BYTES:
+        raise Malformed(f"{len(data)} bytes, at most {MAX_BYTES} are read")
+    try:
+        return _decoder(kind).decode(memoryview(data)[1:])
+    except (msgspec.DecodeError, ValueError, RecursionError) as error:
+        raise Malformed(str(error)) from None

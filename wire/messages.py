@@ -1,0 +1,225 @@
+"""Every message that crosses the wire. Units stand last in names; arrays travel as little-endian bytes."""
+
+import math
+from typing import Annotated, Any, Literal
+
+import msgspec
+
+from wire.fields import Field
+
+NodeId = Annotated[str, msgspec.Meta(pattern="^[a-z][a-z_]{0,15}[0-9]{1,4}$")]
+Count = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
+
+WAKE_ON_FRAME, WAKE_ON_ARRIVAL, WAKE_ON_SENSOR = 1, 2, 4
+
+Why = Literal["start", "wake", "frame", "arrival", "sensor", "end"]
+Verb = Literal["kill", "freeze", "thaw", "restart"]
+Memory = Literal["lost", "kept"]
+
+
+class Message(msgspec.Struct, array_like=True, frozen=True, forbid_unknown_fields=True):
+    """Base of all that is said: immutable, compact, strict about its fields."""
+
+
+class Pose(Message):
+    """Position in the field's frame and heading, counter-clockwise from the x axis, in (-pi, pi]."""
+
+    x_m: float
+    y_m: float
+    heading_rad: float
+
+
+class Sighting(Message):
+    """Another body within sensor range, dead or alive, at its position in the field's frame."""
+
+    node: NodeId
+    x_m: float
+    y_m: float
+
+
+class Frame(Message):
+    """One radio transmission as its receiver hears it; `payload` is the sender's own vocabulary."""
+
+    sender: NodeId
+    sent_tick: Count
+    payload: bytes
+
+
+class Configuration(Message):
+    """All that a node is told about itself and its mission, once, in its first percept.
+
+    `parameters` is the behaviour's own Struct, encoded; `generator_key` seeds the node's only source of chance.
+    """
+
+    node: NodeId
+    incarnation: Count
+    behaviour: str
+    parameters: bytes
+    generator_key: tuple[int, ...]
+    tick_s: float
+    tower: NodeId
+    field: Field
+    max_speed_m_s: float
+
+
+class Senses(Message):
+    """What a body tells its mind at a grant. `pose` is None where a mission gives no position."""
+
+    pose: Pose | None = None
+    in_sight: tuple[Sighting, ...] = ()
+    battery_v: float | None = None
+    refused_frames: Count = 0
+    """Frames of the last action that the radio refused because they passed the byte limit of a tick."""
+
+
+class Percept(Message):
+    """A grant: permission to act at `tick`, and everything the node may know at it."""
+
+    tick: Count
+    grant: Count
+    why: Why
+    senses: Senses
+    inbox: tuple[Frame, ...] = ()
+    configuration: Configuration | None = None
+
+
+class Stay(Message, tag="stay"):
+    """Stand still."""
+
+
+class GoTo(Message, tag="go_to"):
+    """Drive to a point; `within_m` of it counts as arrival. Holds until another motion replaces it."""
+
+    x_m: float
+    y_m: float
+    within_m: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.x_m) and math.isfinite(self.y_m) and math.isfinite(self.within_m)):
+            raise ValueError("a motion needs finite numbers")
+
+
+Motion = Stay | GoTo
+
+
+class Action(Message):
+    """The one answer to a grant. `wake_on` adds up WAKE_ON_ flags; no `wake_tick` means: not by time.
+
+    `report` is for observers only; the world carries it unread.
+    """
+
+    tick: Count
+    grant: Count
+    motion: Motion | None = None
+    outbox: tuple[bytes, ...] = ()
+    wake_tick: Count | None = None
+    wake_on: Annotated[int, msgspec.Meta(ge=0, le=7)] = 0
+    report: bytes = b""
+
+    def __post_init__(self) -> None:
+        if self.wake_tick is not None and self.wake_tick <= self.tick:
+            raise ValueError(f"wake_tick {self.wake_tick} is not after tick {self.tick}")
+
+
+class Fault(Message):
+    """What happens to one node at the boundary before `tick`."""
+
+    tick: Count
+    verb: Verb
+    node: NodeId
+    memory: Memory = "lost"
+
+
+class Facts(Message):
+    """What was true of one tick: the only thing metrics and pictures are made of.
+
+    `poses`: float64, (nodes, 3): x_m, y_m, heading_rad settled at the end of the tick. `goals`: float64,
+    (nodes, 2), NaN for none. `modes`: uint8 per node: 0 alive, 1 frozen, 2 dead. `links`: uint16 pairs of
+    node rows (sender, receiver) of every delivery decided in the tick. `visits`: (node, site) at the tick.
+    `reports`: what nodes said of themselves. `radio`: frames sent, deliveries, out of range, otherwise lost,
+    oversize, bytes sent.
+    """
+
+    tick: Count
+    poses: bytes
+    goals: bytes
+    modes: bytes
+    links: bytes
+    visits: tuple[tuple[NodeId, Count], ...]
+    reports: tuple[tuple[NodeId, bytes], ...]
+    faults: tuple[Fault, ...]
+    radio: tuple[int, int, int, int, int, int]
+
+
+class TruthBlock(Message):
+    """A run of consecutive facts; `number` counts blocks, so that a listener sees what it missed."""
+
+    number: Count
+    nodes: tuple[NodeId, ...]
+    facts: tuple[Facts, ...]
+
+
+class Event(Message):
+    """Something an observer wants to know: a fault, a death, a refusal, a delay."""
+
+    tick: Count
+    kind: str
+    node: str
+    text: str
+    data: dict[str, Any] = {}
+
+
+class Order(Message):
+    """The world asks the launcher to do what only the launcher can: a real signal, a real start."""
+
+    number: Count
+    fault: Fault
+
+
+class Started(Message, tag="started"):
+    """The launcher started a process for a node."""
+
+    node: NodeId
+    pid: Count
+    incarnation: Count
+
+
+class Done(Message, tag="done"):
+    """Order `number` was carried out and seen to have happened, or could not be, for the reason given."""
+
+    number: Count
+    confirmed: bool
+    reason: str = ""
+
+
+class Exited(Message, tag="exited"):
+    """A node's process ended; `status` is its exit code, or minus the signal that ended it."""
+
+    node: NodeId
+    incarnation: Count
+    status: int
+    last_lines: str = ""
+
+
+class Finish(Message, tag="finish"):
+    """End the run at the next tick boundary."""
+
+
+Notice = Started | Done | Exited | Finish
+
+
+class Request(Message):
+    """An operator's wish. `value` is ticks for `step` and the rate for `speed`."""
+
+    verb: Literal["status", "pause", "resume", "step", "speed", "kill", "freeze", "thaw", "restart"]
+    node: str = ""
+    memory: Memory = "lost"
+    value: float = 0.0
+
+
+class Reply(Message):
+    """The world's answer to a request: accepted or not, in words, and the state of the run as facts."""
+
+    accepted: bool
+    text: str
+    data: dict[str, Any] = {}

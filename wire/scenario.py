@@ -1,0 +1,184 @@
+"""The scenario: one TOML file that says everything about a run. Unknown fields are errors; units in names."""
+
+import math
+from typing import Annotated, Any, Literal
+
+import msgspec
+
+from wire.channels import number_of
+from wire.fields import Field
+from wire.messages import Memory, NodeId, Verb
+
+Positive = Annotated[float, msgspec.Meta(gt=0)]
+NotNegative = Annotated[float, msgspec.Meta(ge=0)]
+Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
+Team = Annotated[int, msgspec.Meta(ge=1, le=1000)]
+
+
+class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Base of all parts of a scenario."""
+
+
+class Fan(Section, tag_field="kind", tag="fan"):
+    """Uniform in the quarter disc around the origin. `radius_m` None: 2 sqrt(N), N with the tower.
+
+    Source: Kobayashi et al. 2025, section V-A1; the quarter disc is our reading of "fan-shaped area".
+    """
+
+    radius_m: Positive | None = None
+
+
+class Poses(Section, tag_field="kind", tag="poses"):
+    """A given pose for each robot, in order of their ids: [x_m, y_m, heading_rad]."""
+
+    poses: tuple[tuple[float, float, float], ...]
+
+
+class Robots(Section):
+    """The team. Ids are `r2`, `r3`, ... behind the tower's `r1` unless `ids` names them.
+
+    `spares` are ids with credentials but without a body: the access rules are fixed when a run begins.
+    """
+
+    behaviour: str
+    count: Team | None = None
+    ids: tuple[NodeId, ...] | None = None
+    parameters: dict[str, Any] = {}
+    start: Fan | Poses = Fan()
+    max_speed_m_s: Positive = 1.5
+    max_turn_rad_s: Positive = 1.0
+    sensor_range_m: NotNegative = 90.0
+    spares: Annotated[int, msgspec.Meta(ge=0, le=100)] = 0
+
+
+class TowerSection(Section):
+    """The base station: a node that cannot move."""
+
+    id: NodeId = "r1"
+    behaviour: str = "base_station"
+    parameters: dict[str, Any] = {}
+    x_m: float = 0.0
+    y_m: float = 0.0
+
+
+class Range(Section, tag_field="kind", tag="range"):
+    """A frame reaches receivers at most `range_m` away (unit disc)."""
+
+    range_m: Positive
+
+
+class Loss(Section, tag_field="kind", tag="loss"):
+    """Each frame is lost to each receiver with `probability`, independently (Bernoulli)."""
+
+    probability: Share
+
+
+class Latency(Section, tag_field="kind", tag="latency"):
+    """Frames are heard exactly `ticks` after the tick whose action carried them."""
+
+    ticks: Annotated[int, msgspec.Meta(ge=1, le=100_000)] = 1
+
+
+class Partition(Section, tag_field="kind", tag="partition"):
+    """From `from_s` until `until_s` nothing passes between nodes of different groups; the rest is one group."""
+
+    groups: tuple[tuple[NodeId, ...], ...]
+    from_s: NotNegative = 0.0
+    until_s: NotNegative | None = None
+
+
+class RadioSection(Section):
+    """An ordered list of rules; the first that does not pass a frame on decides about it."""
+
+    rules: tuple[Range | Loss | Latency | Partition, ...] = (Range(180.0),)
+    bytes_per_tick: Annotated[int, msgspec.Meta(ge=1, le=1_000_000)] = 65_536
+    inbox_frames: Annotated[int, msgspec.Meta(ge=1, le=1_000_000)] = 4096
+
+
+class ClockSection(Section):
+    """`lockstep` runs as fast as it goes, `paced` at `rate` simulated seconds per second."""
+
+    kind: Literal["lockstep", "paced"] = "lockstep"
+    rate: Positive = 1.0
+
+
+class Watchdog(Section):
+    """A node that has not answered is named at 1, 3 and 10 times `budget_s`; then `policy` applies."""
+
+    budget_s: Positive = 5.0
+    policy: Literal["wait", "declare_dead", "abort"] = "wait"
+
+
+class WireSection(Section):
+    """The loopback port of the run's router; 0 takes a free one."""
+
+    port: Annotated[int, msgspec.Meta(ge=0, le=65535)] = 0
+
+
+class PlannedFault(Section):
+    """What befalls some nodes at a time: named in `nodes`, or the highest numbers by their share of the team.
+
+    `highest_ids_share` 0.2 means the 20 % of all nodes (the tower counted) with the largest numbers.
+    """
+
+    at_s: NotNegative
+    verb: Verb
+    nodes: tuple[NodeId, ...] = ()
+    highest_ids_share: Share | None = None
+    memory: Memory = "lost"
+
+
+class Scenario(Section):
+    """One run, whole."""
+
+    mission: Literal["area"]
+    duration_s: Positive
+    field: Field
+    robots: Robots
+    tower: TowerSection = TowerSection()
+    tick_s: Positive = 1.0
+    seed: Annotated[int, msgspec.Meta(ge=0, le=2**63 - 1)] = 1
+    metrics_from_s: NotNegative = 0.0
+    radio: RadioSection = RadioSection()
+    clock: ClockSection = ClockSection()
+    watchdog: Watchdog = Watchdog()
+    wire: WireSection = WireSection()
+    faults: tuple[PlannedFault, ...] = ()
+
+    @property
+    def robot_ids(self) -> tuple[str, ...]:
+        """Ids of all robots, in the order of their numbers."""
+        if self.robots.ids is not None:
+            return tuple(sorted(self.robots.ids, key=number_of))
+        return tuple(f"r{number}" for number in self._numbers(self.robots.count or 0))
+
+    @property
+    def node_ids(self) -> tuple[str, ...]:
+        """The tower and all robots, in the order of their numbers."""
+        return tuple(sorted((self.tower.id, *self.robot_ids), key=number_of))
+
+    @property
+    def spare_ids(self) -> tuple[str, ...]:
+        """Ids that have credentials and no body."""
+        first = max(number_of(node) for node in self.node_ids) + 1
+        return tuple(f"r{number}" for number in range(first, first + self.robots.spares))
+
+    @property
+    def last_tick(self) -> int:
+        """The tick at which the mission ends."""
+        return round(self.duration_s / self.tick_s)
+
+    def tick_of(self, time_s: float) -> int:
+        """The first tick at or after a time."""
+        return math.ceil(round(time_s / self.tick_s, 6))
+
+    def nodes_of(self, fault: PlannedFault) -> tuple[str, ...]:
+        """The nodes that a planned fault befalls."""
+        if fault.highest_ids_share is None:
+            return fault.nodes
+        struck = round(fault.highest_ids_share * len(self.node_ids))
+        return self.node_ids[len(self.node_ids) - struck :]
+
+    def _numbers(self, count: int) -> list[int]:
+        tower = number_of(self.tower.id)
+        return [number for number in range(1, count + 2) if number != tower][:count]

@@ -1,0 +1,118 @@
+"""The lockstep clock: the only code that makes time go on. The same for processes and for the rehearsal."""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import NamedTuple, Protocol
+
+from wire.messages import Action, Event, Facts, Fault, Percept
+from wire.scenario import Scenario
+from world_server.journal import Journal
+from world_server.world import World
+
+
+class Befallen(NamedTuple):
+    """Something unplanned at a boundary: a fault to carry out, or one that has already happened.
+
+    `answer` is told why it was not done, or nothing when it was.
+    """
+
+    fault: Fault
+    happened: bool
+    answer: Callable[[str], None]
+
+
+class Swarm(Protocol):
+    """The other side of the clock: node processes behind Zenoh, or minds in this process."""
+
+    finishing: bool
+    """Has anybody asked for the end of the run?"""
+
+    def exchange(self, tick: int, percepts: Mapping[str, Percept]) -> Mapping[str, Action]:
+        """Every action that was answered to these grants; a node that is missing has died."""
+
+    def enforce(self, fault: Fault) -> str:
+        """Make a fault really happen. Returns why it could not be confirmed, empty when it was."""
+
+    def boundary(self, tick: int) -> Iterable[Befallen]:
+        """What came unplanned since the last tick; holds time while a person or the pace wants it held."""
+
+    def tell(self, event: Event) -> None:
+        """Tell observers of an event."""
+
+    def show(self, facts: Facts) -> None:
+        """Show observers the facts of a tick."""
+
+
+def planned_faults(scenario: Scenario) -> list[Fault]:
+    """The scenario's fault plan, one fault for each node it befalls, in order of time."""
+    plan = [
+        Fault(scenario.tick_of(one.at_s), one.verb, node, one.memory)
+        for one in scenario.faults
+        for node in scenario.nodes_of(one)
+    ]
+    return sorted(plan, key=lambda fault: fault.tick)
+
+
+class Clock:
+    """Runs a world from tick 0 to its last: boundary, grants, answers, commit."""
+
+    def __init__(self, world: World, swarm: Swarm, journal: Journal, last_tick: int) -> None:
+        self._world = world
+        self._swarm = swarm
+        self._journal = journal
+        self._plan = planned_faults(world.scenario)
+        self._last_tick = last_tick
+
+    def run(self) -> tuple[int, bool]:
+        """Run to the end. Returns the last tick that was committed, and whether the mission was completed."""
+        tick = 0
+        while True:
+            self._step(tick)
+            if tick >= self._last_tick or self._swarm.finishing:
+                self._journal.close(tick, tick >= self._last_tick)
+                return tick, tick >= self._last_tick
+            tick = self._after(tick)
+
+    def _step(self, tick: int) -> None:
+        faults = self._boundary(tick)
+        percepts = self._world.percepts(tick)
+        actions = self._swarm.exchange(tick, percepts)
+        for node in percepts:
+            if node not in actions:  # it died with its grant open: as if it had been killed before the tick
+                faults.append(Fault(tick, "kill", node))
+                self._world.apply(faults[-1])
+        commit = self._world.commit(tick, percepts, actions, tuple(faults))
+        self._journal.append(commit)
+        self._swarm.show(commit.facts)
+
+    def _after(self, tick: int) -> int:
+        """The next tick at which anything happens, a planned fault and the end included."""
+        planned = self._plan[0].tick if self._plan else self._last_tick
+        coming = self._world.next_tick(tick)
+        soonest = min(self._last_tick, planned, self._last_tick if coming is None else coming)
+        return max(tick + 1, soonest)
+
+    def _boundary(self, tick: int) -> list[Fault]:
+        faults = []
+        while self._plan and self._plan[0].tick <= tick:
+            fault = self._plan.pop(0)
+            if not self._befall(fault, happened=False):
+                faults.append(fault)
+        for fault, happened, answer in self._swarm.boundary(tick):
+            trouble = self._befall(fault, happened)
+            answer(trouble)
+            if not trouble:
+                faults.append(fault)
+        return faults
+
+    def _befall(self, fault: Fault, happened: bool) -> str:
+        """Let a fault happen, unless it has. Returns why it could not, empty when it did."""
+        trouble = self._world.can(fault.verb, fault.node)
+        if not trouble and not happened:
+            trouble = self._swarm.enforce(fault)
+        if trouble:
+            text = f"{fault.verb} {fault.node} was not done: {trouble}"
+            data = {"verb": fault.verb, "confirmed": False}
+            self._swarm.tell(Event(fault.tick, "fault", fault.node, text, data))
+            return trouble
+        self._world.apply(fault)
+        return ""

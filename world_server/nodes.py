@@ -1,0 +1,106 @@
+"""What the world keeps about each node: whether it runs, when it wants to be woken, and its inbox."""
+
+from typing import NamedTuple
+
+from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, WAKE_ON_SENSOR, Action, Why
+from world_server.motion import Body
+
+ALIVE, FROZEN, DEAD = 0, 1, 2
+
+
+class Letter(NamedTuple):
+    """A frame on its way to one receiver: sender's row and place in its outbox, and when it is heard."""
+
+    heard_tick: int
+    sent_tick: int
+    sender: int
+    index: int
+    payload: bytes
+
+
+class Node:
+    """One node as the world sees it. Rows are places in the list of all nodes, ordered by number."""
+
+    def __init__(self, name: str, body: Body, sensor_range_m: float, inbox_frames: int) -> None:
+        self.name = name
+        self.body = body
+        self.sensor_range_m = sensor_range_m
+        self.mode = ALIVE
+        self.incarnation = 0
+        self.newborn = True
+        self.grants = 0
+        self.refused_frames = 0
+        self.seen: tuple[str, ...] = ()
+        self.arrival_pending = False
+        self._letters: list[Letter] = []
+        self._inbox_frames = inbox_frames
+        self._wake_tick: int | None = 0
+        self._wake_on = 0
+
+    def due(self, tick: int, seen: tuple[str, ...] | None) -> Why | None:
+        """Why this node is to be granted `tick`, or None. `seen`: names in sight, where it asked for them."""
+        if self.mode != ALIVE:
+            return None
+        if self.newborn:
+            return "start"
+        if self._wake_tick is not None and self._wake_tick <= tick:
+            return "wake"
+        if self._wake_on & WAKE_ON_FRAME and any(letter.heard_tick <= tick for letter in self._letters):
+            return "frame"
+        if self._wake_on & WAKE_ON_ARRIVAL and self.arrival_pending:
+            return "arrival"
+        if seen is not None and seen != self.seen:
+            return "sensor"
+        return None
+
+    @property
+    def watches(self) -> bool:
+        """Does the node want to be woken when what it sees changes?"""
+        return self.mode == ALIVE and bool(self._wake_on & WAKE_ON_SENSOR)
+
+    def next_due(self, tick: int) -> int | None:
+        """The first tick after `tick` at which time or a frame on its way makes this node due."""
+        if self.mode != ALIVE:
+            return None
+        if self.arrival_pending and self._wake_on & WAKE_ON_ARRIVAL:
+            return tick + 1
+        heard = [letter.heard_tick for letter in self._letters] if self._wake_on & WAKE_ON_FRAME else []
+        wake = [] if self._wake_tick is None else [self._wake_tick]
+        return max(tick + 1, min(heard + wake)) if heard or wake else None
+
+    def heard(self, tick: int) -> list[Letter]:
+        """Letters that this node hears by `tick`, in order of tick, sender and place."""
+        return sorted(letter for letter in self._letters if letter.heard_tick <= tick)
+
+    def deliver(self, letter: Letter) -> None:
+        """Put a frame into the inbox; when it is full the oldest goes."""
+        self._letters.append(letter)
+        del self._letters[: -self._inbox_frames]
+
+    def answered(self, tick: int, action: Action) -> None:
+        """Take over what an accepted action says of waking; what was in the inbox has been heard."""
+        self._letters = [letter for letter in self._letters if letter.heard_tick > tick]
+        self._wake_tick, self._wake_on = action.wake_tick, action.wake_on
+        self.newborn = False
+        self.grants += 1
+        self.refused_frames = 0
+        self.arrival_pending = False
+        goal = self.body.goal
+        self.body.command(action.motion)
+        if self.body.goal != goal and self.body.arrived:
+            self.arrival_pending = True
+
+    def die(self) -> None:
+        """The body stays where it is; radio and mind are gone."""
+        self.mode = DEAD
+        self.body.goal = None
+        self._letters = []
+        self._wake_tick, self._wake_on = None, 0
+
+    def rise(self, tick: int, keeps_memory: bool) -> None:
+        """A new process for the old body."""
+        self.mode = ALIVE
+        self.incarnation += 1
+        self.newborn = not keeps_memory
+        self.refused_frames, self.arrival_pending, self.seen = 0, False, ()
+        self._wake_tick = tick
