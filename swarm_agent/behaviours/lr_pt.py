@@ -5,7 +5,7 @@ silent or, read literally, does not work, an option of `LrPtParameters` says wha
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal, Self
 
 import msgspec
@@ -29,7 +29,9 @@ class LrPtParameters(Parameters, frozen=True):
     of the newest few; or the newest `unsent`, those that some neighbour is not known to have.
     `lock_breaker`: what keeps two robots with equal tables from choosing alike for ever. `none` as printed;
     `excl` skips goals that neighbours announced, `exclnext` skips their next cells, `rank` takes the (q+1)-th
-    best step with q lower-numbered robots within `rank_range_m`. All but `none` deviate from the paper.
+    best step with q lower-numbered robots within `rank_range_m`. Neighbours that complete one cell in the
+    same tick cannot have heard each other: `excl` and `exclnext` let them part in order of their numbers.
+    All but `none` deviate from the paper.
     `contact_reading`: `printed` compares contact times as they arrive; `compensated` makes up for the one tick
     a message takes and lets the lower number take the duty between equals.
     """
@@ -162,16 +164,18 @@ class LrPt(Behaviour):
         if not np.isfinite(utility).any():  # alone in a field larger than the radius: go to what is nearest
             utility = -np.hypot(*(self.centres_m - (pose.x_m, pose.y_m)).T)
             utility[here] = -np.inf
-        duties = [one.message.message for one in heard if one.message.message is not None]
+        duties = {one.sender: one.message.message for one in heard if one.message.message is not None}
         match self.parameters.lock_breaker:
             case "none":
                 goal = self._best(utility)
             case "excl":
-                goal = self._best(_without(utility, {duty.goal for duty in duties}))
+                left = _without(utility, {duty.goal for duty in duties.values()})
+                goal = self._best_step(here, left, set(), self._ties(completed, duties))
             case "exclnext":
-                goal = self._best_step(here, utility, {duty.target for duty in duties}, skip=0)
+                taken = {duty.target for duty in duties.values()}
+                goal = self._best_step(here, utility, taken, self._ties(completed, duties))
             case "rank":
-                goal = self._best_step(here, utility, set(), skip=self._lower_ranks(percept))
+                goal = self._best_step(here, utility, set(), self._lower_ranks(percept))
         self.goal, self.target = goal, self.on_the_way(here, goal)
 
     def on_the_way(self, here: int, goal: int) -> int:
@@ -201,6 +205,15 @@ class LrPt(Behaviour):
                 if len(steps) > skip:
                     return goal
         return first
+
+    def _ties(self, completed: int | None, duties: Mapping[str, Duty]) -> int:
+        """How many lower-numbered neighbours were heading for the cell that was just completed.
+
+        One that arrives in the same tick decides in the same tick, on an equal table, and neither has heard
+        what the other announces: without an order between them such a pair stays locked for ever.
+        """
+        own = number_of(self.configuration.node)
+        return sum(number_of(name) < own and duty.target == completed for name, duty in duties.items())
 
     def _lower_ranks(self, percept: Percept) -> int:
         own, pose = number_of(self.configuration.node), percept.senses.pose
