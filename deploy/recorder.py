@@ -1,0 +1,64 @@
+"""The recorder: folds a run's journal into `summary.json`. The journal is complete, so the summary is too."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from deploy.metrics.area import AreaMetrics
+from wire.messages import Facts
+from wire.scenario import Scenario
+from world_server.journal import read
+from world_server.records import Commit
+
+RADIO = ("sent", "delivered", "out_of_range", "lost", "oversize", "bytes")
+
+
+def summarise(folder: Path, scenario: Scenario, name: str, wall_s: float, processes: list[dict]) -> dict[str, Any]:
+    """Fold the journal and the event log of a run, write `summary.json`, and return it."""
+    metrics, radio, ticks = AreaMetrics(scenario), [0] * len(RADIO), -1
+    faults, end = [], None
+    for record in read(folder / "journal"):
+        if isinstance(record, Commit):
+            metrics.feed(record.facts)
+            ticks, faults = record.tick, faults + _happened(record.facts)
+            radio = [total + one for total, one in zip(radio, record.facts.radio, strict=True)]
+        else:
+            end = record
+    faults += [_refused(event) for event in events(folder) if _is_refused(event)]
+    completed = bool(getattr(end, "completed", False))
+    summary = {
+        "run": folder.name,
+        "scenario": name,
+        "mission": scenario.mission,
+        "seed": scenario.seed,
+        "ticks": max(ticks, 0),
+        "sim_s": max(ticks, 0) * scenario.tick_s,
+        "wall_s": round(wall_s, 3),
+        "completed": completed,
+        "run_hash": getattr(end, "run_hash", ""),
+        "processes": processes,
+        "faults": sorted(faults, key=lambda fault: fault["tick"]),
+        "radio": dict(zip(RADIO, radio, strict=True)),
+        "metrics": metrics.summary(),
+    }
+    (folder / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", "utf-8")
+    return summary
+
+
+def events(folder: Path) -> list[dict[str, Any]]:
+    """All events of a run that were written whole."""
+    lines = (folder / "events.jsonl").read_text("utf-8").splitlines(keepends=True)
+    return [json.loads(line) for line in lines if line.endswith("\n")]
+
+
+def _happened(facts: Facts) -> list[dict[str, Any]]:
+    """Faults that are part of the run, each of which was seen to have happened."""
+    return [{"tick": one.tick, "verb": one.verb, "node": one.node, "confirmed": True} for one in facts.faults]
+
+
+def _is_refused(event: dict[str, Any]) -> bool:
+    return event["kind"] == "fault" and not event["data"]["confirmed"]
+
+
+def _refused(event: dict[str, Any]) -> dict[str, Any]:
+    return {"tick": event["tick"], "verb": event["data"]["verb"], "node": event["node"], "confirmed": False}

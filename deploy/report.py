@@ -1,0 +1,98 @@
+"""What a person reads in the terminal: progress while a run lasts, and its result as a table."""
+
+import sys
+import time
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from wire.messages import Facts
+from wire.scenario import Scenario
+from world_server.nodes import DEAD
+
+PLAIN_EVERY_S = 5.0
+LABELS = {
+    "graph_idleness_s": "graph idleness",
+    "worst_idleness_s": "worst idleness",
+    "mean_sa_delay_s": "mean SA delay",
+    "worst_sa_delay_s": "worst SA delay",
+}
+
+
+class ProgressLine:
+    """Simulated time, speed and robots alive: a bar on a terminal, a plain line every few seconds elsewhere."""
+
+    def __init__(self, console: Console, scenario: Scenario, last_tick: int) -> None:
+        self._console = console
+        self._scenario = scenario
+        self._last_tick = last_tick
+        self._robots = len(scenario.robot_ids)
+        self._began = self._shown = time.monotonic()
+        columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[words]}"))
+        self._bar = Progress(*columns, TimeRemainingColumn(), console=console, transient=True)
+        self._task = self._bar.add_task("patrol", total=last_tick, words="starting")
+
+    def __enter__(self) -> "ProgressLine":
+        if self._console.is_terminal:
+            self._bar.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._bar.stop()
+
+    def show(self, facts: Facts) -> None:
+        """Take note of the facts of a tick; draws at most a few times a second."""
+        now = time.monotonic()
+        if now - self._shown < (0.1 if self._console.is_terminal else PLAIN_EVERY_S):
+            return
+        self._shown = now
+        words = self._words(facts, now)
+        if self._console.is_terminal:
+            self._bar.update(self._task, completed=facts.tick, words=words)
+        else:
+            self._console.print(words, highlight=False)
+
+    def _words(self, facts: Facts, now: float) -> str:
+        tick_s = self._scenario.tick_s
+        dead = sum(mode == DEAD for mode in facts.modes)
+        speed = facts.tick * tick_s / (now - self._began)
+        of = self._last_tick * tick_s
+        return f"{facts.tick * tick_s:.0f} of {of:.0f} s, {speed:.0f} x real time, {self._robots - dead} robots alive"
+
+
+def metrics_table(summary: dict[str, Any]) -> Table:
+    """The result of a run as a table."""
+    title = f"{summary['scenario']}, seed {summary['seed']}, {summary['sim_s']:.0f} s"
+    table = Table(title=title, title_justify="left")
+    for heading, justify in (("metric", "left"), ("seconds", "right"), ("x (N - 1) / K", "right")):
+        table.add_column(heading, justify=justify)
+    for name, label in LABELS.items():
+        metrics = summary["metrics"]
+        table.add_row(label, _number(metrics[name], 1), _number(metrics[f"normalised_{name}"], 2))
+    return table
+
+
+def print_result(console: Console, summary: dict[str, Any], folder: str) -> None:
+    """The table, what befell the team, and where everything is."""
+    console.print(metrics_table(summary))
+    for fault in summary["faults"]:
+        done = "" if fault["confirmed"] else " (not done)"
+        console.print(f"tick {fault['tick']:>6}: {fault['verb']} {fault['node']}{done}", highlight=False)
+    radio = summary["radio"]
+    console.print(f"radio: {radio['sent']} frames, {radio['delivered']} deliveries, {radio['bytes']} bytes "
+                  f"({summary['wall_s']:.1f} s of wall time)", highlight=False)
+    if not summary["completed"]:
+        console.print(f"ended early, at tick {summary['ticks']}", style="yellow")
+    console.print(f"run hash {summary['run_hash']}", highlight=False)
+    console.print(f"run folder {folder}", highlight=False, soft_wrap=True)
+
+
+def console_for(json_only: bool) -> Console:
+    """Standard output, or standard error where standard output is for JSON only."""
+    return Console(file=sys.stderr if json_only else sys.stdout)
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"
