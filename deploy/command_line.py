@@ -59,7 +59,8 @@ def _parser() -> argparse.ArgumentParser:
 
 def _add_run(commands: argparse._SubParsersAction) -> None:
     run = commands.add_parser("run", help="run a scenario")
-    run.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped scenario")
+    words = "a file, or the name of a shipped scenario (default: area-patrol)"
+    run.add_argument("scenario", metavar="SCENARIO", nargs="?", default="area-patrol", help=words)
     run.add_argument("--seed", type=int)
     run.add_argument("--until", type=float, metavar="SECONDS", help="end at this simulated time")
     run.add_argument("--set", action="append", default=[], metavar="key.path=value", dest="settings")
