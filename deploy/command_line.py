@@ -6,9 +6,10 @@ from pathlib import Path
 from deploy.compare import compare
 from deploy.dashboard import open_recording
 from deploy.operate import request
+from deploy.recorder import deaths
 from deploy.report import console_for, print_result
 from deploy.run import run_scenario
-from deploy.run_folder import find_folder, live_runs, summary_of
+from deploy.run_folder import RunError, find_folder, live_runs, summary_of
 from deploy.scenario_file import shipped_scenarios
 from wire.messages import Request
 
@@ -89,8 +90,10 @@ def _add_request(commands: argparse._SubParsersAction, verb: str, words: str) ->
 def _request(verb: str, given: argparse.Namespace) -> int:
     node, memory = getattr(given, "node", ""), getattr(given, "memory", "lost")
     reply = request(given.run, Request(verb, node, memory, getattr(given, "value", 0.0)))
-    print(reply.text if reply.accepted else f"picket: {reply.text}")
-    return 0 if reply.accepted else 2
+    if not reply.accepted:
+        raise RunError(reply.text)
+    print(reply.text)
+    return 0
 
 
 def _status(given: argparse.Namespace) -> int:
@@ -107,9 +110,9 @@ def _status(given: argparse.Namespace) -> int:
         return 0
     summary = summary_of(folder)
     if summary is None:
-        print(f"{folder}: ended without a summary: its launcher was killed")
+        print(f"{folder}: ended without a summary; `picket dashboard` and `picket compare` can still read its journal")
     else:
-        print_result(console_for(json_only=False), summary, str(folder))
+        print_result(console_for(json_only=False), summary, str(folder), deaths(folder))
     return 0
 
 

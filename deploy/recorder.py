@@ -51,6 +51,11 @@ def events(folder: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in lines if line.endswith("\n")]
 
 
+def deaths(folder: Path) -> list[dict[str, Any]]:
+    """The events of nodes that died by themselves or by a hand from outside."""
+    return [event for event in events(folder) if event["kind"] == "death"]
+
+
 def _happened(facts: Facts) -> list[dict[str, Any]]:
     """Faults that are part of the run, each of which was seen to have happened."""
     return [{"tick": one.tick, "verb": one.verb, "node": one.node, "confirmed": True} for one in facts.faults]

@@ -74,9 +74,13 @@ def metrics_table(summary: dict[str, Any]) -> Table:
     return table
 
 
-def print_result(console: Console, summary: dict[str, Any], folder: str) -> None:
-    """The table, what befell the team, and where everything is."""
+def print_result(console: Console, summary: dict[str, Any], folder: str, deaths: list[dict[str, Any]]) -> None:
+    """The table, what befell the team, and where everything is. `deaths`: events of deaths nobody ordered."""
     console.print(metrics_table(summary))
+    for death in deaths:
+        console.print(f"tick {death['tick']:>6}: {death['text']}", style="red", highlight=False, markup=False)
+        for line in death["data"]["last_lines"].splitlines():
+            console.print(f"    {line}", highlight=False, markup=False)
     for fault in summary["faults"]:
         done = "" if fault["confirmed"] else " (not done)"
         console.print(f"tick {fault['tick']:>6}: {fault['verb']} {fault['node']}{done}", highlight=False)

@@ -11,7 +11,7 @@ from typing import Any
 from deploy.dashboard import choose_mode, record
 from deploy.launcher import Launcher
 from deploy.process import on_interrupt_now
-from deploy.recorder import summarise
+from deploy.recorder import deaths, summarise
 from deploy.rehearsal import Rehearsal, rehearse
 from deploy.report import ProgressLine, console_for, print_result
 from deploy.run_folder import find_folder, new_folder
@@ -39,14 +39,13 @@ def run_scenario(given: argparse.Namespace) -> int:
             processes, interrupted = _rehearse(scenario, folder, last_tick, progress), False
         else:
             processes, interrupted = _launch(scenario, folder, last_tick, progress, given.dashboard, console)
-    wall_s = time.monotonic() - began
-    summary = summarise(folder, scenario, path.stem, wall_s, processes)
+    summary = summarise(folder, scenario, path.stem, time.monotonic() - began, processes)
     if given.dashboard != "off":
         record(folder)
     if given.json:
         print(json.dumps(summary, indent=2))
     else:
-        print_result(console, summary, str(folder))
+        print_result(console, summary, str(folder), deaths(folder))
     return INTERRUPTED if interrupted else 0
 
 
