@@ -105,8 +105,9 @@ def _status(given: argparse.Namespace) -> int:
     if any(Path(live.folder) == folder.resolve() for live in live_runs()):
         state = request(given.run, Request("status")).data
         waiting = f", waiting for {', '.join(state['waiting_for'])}" if state["waiting_for"] else ""
-        print(f"running: {state['sim_s']:.0f} of {state['duration_s']:.0f} s, {len(state['alive'])} nodes alive "
-              f"({', '.join(state['alive'])}){', paused' if state['paused'] else ''}{waiting}")
+        alive = ", ".join(f"{node} (pid {state['pids'].get(node)})" for node in state["alive"])
+        paused = ", paused" if state["paused"] else ""
+        print(f"running: {state['sim_s']:.0f} of {state['duration_s']:.0f} s{paused}{waiting}\nalive: {alive}")
         return 0
     summary = summary_of(folder)
     if summary is None:

@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 import os
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from deploy.process import CONTINUE, KILL, STOP, Child, on_interrupt
@@ -51,7 +51,7 @@ class Launcher:
         try:
             await self._start_world()
             await self._join()
-            for node in self._scenario.node_ids:
+            for node in self.start_order():
                 self._start_node(node, 0, b"")
             if dashboard:
                 await self._start_dashboard(dashboard, say)
@@ -61,6 +61,10 @@ class Launcher:
         finally:
             live.unlink(missing_ok=True)
             await self._sweep_up()
+
+    def start_order(self) -> Sequence[str]:
+        """In which order nodes are started; it makes no difference to the run, and a test sees to that."""
+        return self._scenario.node_ids
 
     async def _start_world(self) -> None:
         ready, writing = os.pipe()
@@ -97,7 +101,7 @@ class Launcher:
     def _start_node(self, node: str, incarnation: int, memory: bytes) -> None:
         is_tower = node == self._scenario.tower.id
         descriptors = [hand_over(self._book.ticket(node))]
-        arguments = ["--ticket-fd", str(descriptors[0])]
+        arguments = [node, "--ticket-fd", str(descriptors[0])]  # the name is for those who read `ps`
         if memory:
             descriptors.append(hand_over(memory))
             arguments += ["--memory-fd", str(descriptors[1])]

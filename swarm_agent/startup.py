@@ -10,6 +10,7 @@ from wire.credentials import Ticket, die_with_parent, receive
 def run_node(package: str) -> None:
     """Main of a robot or a tower; `package` is where its behaviours are found by name."""
     parser = argparse.ArgumentParser(description="One node of a run; started by the launcher.")
+    parser.add_argument("node", help="its id, for those who read a list of processes")
     parser.add_argument("--ticket-fd", type=int, required=True)
     parser.add_argument("--memory-fd", type=int)
     parser.add_argument("--parent-pid", type=int, required=True)

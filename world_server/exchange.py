@@ -329,6 +329,7 @@ class LiveSwarm:
             "rate": self._pace,
             "alive": sorted(self._alive & set(self._percepts), key=channels.number_of),
             "waiting_for": list(self._open),
+            "pids": self._pids,
         }
 
     def _called(self, node: str) -> str:
