@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from deploy.process import CONTINUE, KILL, STOP, Child, on_interrupt
-from deploy.run_folder import LiveRun, announce_live
+from deploy.run_folder import LiveRun, RunError, announce_live
 from wire import channels, codec
 from wire.credentials import OBSERVERS, OPERATOR, SUPERVISOR, hand_over, make_book
 from wire.link import Link, LinkError, open_client
@@ -29,7 +29,10 @@ class Launcher:
     """One run from the first process to the last."""
 
     def __init__(self, scenario: Scenario, folder: Path, last_tick: int, watch: Callable[[Facts], None]) -> None:
+        """Raises RunError when the port is taken."""
         self.interrupted = False
+        endpoint = f"tcp/127.0.0.1:{free_port(scenario.wire.port)}"
+        self.book = make_book(folder.name, endpoint, (*scenario.node_ids, *scenario.spare_ids))
         self.processes: list[tuple[str, str, Child, int]] = []
         """Every node process that was ever started: node, role, child, incarnation."""
         self._scenario = scenario
@@ -43,11 +46,8 @@ class Launcher:
 
     async def run(self, dashboard: str | None, say: Callable[[str], None]) -> None:
         """Run to the end. `dashboard`: mode of the live dashboard, or None. Raises LaunchError."""
-        port = free_port(self._scenario.wire.port)
-        ids = (*self._scenario.node_ids, *self._scenario.spare_ids)
-        self._book = make_book(self._folder.name, f"tcp/127.0.0.1:{port}", ids)
         on_interrupt(self._interrupt)
-        live = announce_live(LiveRun(str(self._folder.resolve()), self._book.ticket(OPERATOR), os.getpid()))
+        live = announce_live(LiveRun(str(self._folder.resolve()), self.book.ticket(OPERATOR), os.getpid()))
         try:
             await self._start_world()
             await self._join()
@@ -68,7 +68,7 @@ class Launcher:
 
     async def _start_world(self) -> None:
         ready, writing = os.pipe()
-        book = hand_over(self._book)
+        book = hand_over(self.book)
         arguments = [str(self._folder), "--book-fd", str(book), "--ready-fd", str(writing)]
         arguments += ["--last-tick", str(self._last_tick)]
         log = self._folder / "logs" / "world.log"
@@ -89,10 +89,10 @@ class Launcher:
         """Open the supervisor's link: orders come in, notices go out, facts are watched for the progress."""
         loop = asyncio.get_running_loop()
         try:
-            self._link = await loop.run_in_executor(None, open_client, self._book.ticket(SUPERVISOR))
+            self._link = await loop.run_in_executor(None, open_client, self.book.ticket(SUPERVISOR))
         except LinkError as error:
             raise LaunchError(str(error)) from None
-        run = self._book.run
+        run = self.book.run
         self._notices = self._link.publisher(channels.key(run, channels.NOTICE))
         enter = loop.call_soon_threadsafe
         self._link.subscribe(channels.key(run, channels.ORDER), lambda _, data: enter(self._on_order, data))
@@ -100,7 +100,7 @@ class Launcher:
 
     def _start_node(self, node: str, incarnation: int, memory: bytes) -> None:
         is_tower = node == self._scenario.tower.id
-        descriptors = [hand_over(self._book.ticket(node))]
+        descriptors = [hand_over(self.book.ticket(node))]
         arguments = [node, "--ticket-fd", str(descriptors[0])]  # the name is for those who read `ps`
         if memory:
             descriptors.append(hand_over(memory))
@@ -113,7 +113,7 @@ class Launcher:
         child.watch(lambda ended: self._on_exit(node, ended, incarnation))
 
     async def _start_dashboard(self, mode: str, say: Callable[[str], None]) -> None:
-        ticket = hand_over(self._book.ticket(OBSERVERS[0]))
+        ticket = hand_over(self.book.ticket(OBSERVERS[0]))
         reading, writing = os.pipe()
         arguments = ["--folder", str(self._folder), "--mode", mode, "--ticket-fd", str(ticket)]
         arguments += ["--say-fd", str(writing)]
@@ -196,11 +196,12 @@ class Launcher:
 
 
 def free_port(wanted: int) -> int:
-    """`wanted`, or any free loopback port for 0. Raises LaunchError when it is taken."""
+    """`wanted`, or any free loopback port for 0. Raises RunError when it is taken."""
     with contextlib.closing(socket.socket()) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             probe.bind(("127.0.0.1", wanted))
         except OSError as error:
-            raise LaunchError(f"wire.port {wanted}: {error.strerror}; choose another, or 0 for any free one") from None
+            why = error.strerror.lower()
+            raise RunError(f"wire.port {wanted}: {why}; choose another, or 0 for any free one") from None
         return probe.getsockname()[1]

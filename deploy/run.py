@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from deploy.dashboard import choose_mode, record
-from deploy.launcher import Launcher
+from deploy.launcher import Launcher, free_port
 from deploy.process import on_interrupt_now
 from deploy.recorder import deaths, summarise
 from deploy.rehearsal import Rehearsal, rehearse
@@ -28,6 +28,8 @@ def run_scenario(given: argparse.Namespace) -> int:
     path = find_scenario(given.scenario)
     scenario = load_scenario(path, _settings(given), **_overrides(given))
     last_tick = _last_tick(scenario, given.until)
+    if not given.in_process:
+        free_port(scenario.wire.port)  # a taken port is to be told before there is a folder
     folder = new_folder(path.stem, given.out)
     (folder / "scenario.toml").write_text(to_toml(scenario), "utf-8")
     console = console_for(given.json)

@@ -79,13 +79,15 @@ class Link:
         )
         self._kept.append(handle)
 
-    def watch_sessions(self, enqueue: Callable[[str], None]) -> None:
-        """Tell `enqueue(session id)` of every session that connects to this router."""
+    def watch_sessions(self, enqueue: Callable[[str, str], None]) -> None:
+        """Tell `enqueue(session id, address)` of every session that connects to this router."""
         put = zenoh.SampleKind.PUT
 
         def on_transport(event: Any) -> None:
             if event.kind == put:
-                enqueue(str(event.transport.zid))
+                session = event.transport.zid
+                found = [link.dst for link in self._session.info.links() if link.zid == session]
+                enqueue(str(session), found[0] if found else "")
 
         handle = self._session.info.declare_transport_events_listener(on_transport, history=True)
         self._kept.append(handle)

@@ -11,6 +11,7 @@ NodeId = Annotated[str, msgspec.Meta(pattern="^[a-z][a-z_]{0,15}[0-9]{1,4}$")]
 Count = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
 
 WAKE_ON_FRAME, WAKE_ON_ARRIVAL, WAKE_ON_SENSOR = 1, 2, 4
+FRAMES_PER_ACTION = 1024
 
 Why = Literal["start", "wake", "frame", "arrival", "sensor", "end"]
 Verb = Literal["kill", "freeze", "thaw", "restart"]
@@ -111,7 +112,7 @@ class Action(Message):
     tick: Count
     grant: Count
     motion: Motion | None = None
-    outbox: tuple[bytes, ...] = ()
+    outbox: Annotated[tuple[bytes, ...], msgspec.Meta(max_length=FRAMES_PER_ACTION)] = ()
     wake_tick: Count | None = None
     wake_on: Annotated[int, msgspec.Meta(ge=0, le=7)] = 0
     report: bytes = b""
@@ -215,6 +216,10 @@ class Request(Message):
     node: str = ""
     memory: Memory = "lost"
     value: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.value) and self.value >= 0):
+            raise ValueError(f"value must be a finite number >= 0, got {self.value}")
 
 
 class Reply(Message):

@@ -9,6 +9,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from queue import Empty, SimpleQueue
+from threading import TIMEOUT_MAX
 from typing import Any
 
 from wire import channels, codec
@@ -33,6 +34,7 @@ from wire.messages import (
 )
 from wire.scenario import Scenario
 from world_server.clock import Befallen
+from world_server.strangers import process_behind
 
 START_WITHIN_S = 60.0
 ORDER_WITHIN_S = 30.0
@@ -40,6 +42,7 @@ TOKEN_WITHIN_S = 5.0
 SHOW_EVERY_S = 0.1
 SHOW_AT_MOST = 500
 WATCHDOG_AT = (1, 3, 10)
+STRANGERS_TOLD = 10
 FAULT_VERBS = ("kill", "freeze", "thaw", "restart")
 
 
@@ -85,7 +88,7 @@ class LiveSwarm:
         link.subscribe(channels.key(run, channels.ACTION), lambda key, data: put((self._on_action, key, data)))
         link.subscribe(channels.key(run, channels.NOTICE), lambda _, data: put((self._on_notice, data)))
         link.watch_tokens(channels.key(run, channels.ALIVE), lambda key, alive: put((self._on_token, key, alive)))
-        link.watch_sessions(lambda session: put((self._on_session, session)))
+        link.watch_sessions(lambda session, address: put((self._on_session, session, address)))
         link.answer(channels.key(run, channels.CONTROL), lambda data, reply: put((self._on_request, data, reply)))
 
     # What the clock asks for
@@ -195,37 +198,50 @@ class LiveSwarm:
 
     def _refuse(self, node: str, why: str, data: bytes) -> None:
         """Tell of the 1st, 10th, 100th ... refusal of a kind, so that a flood of garbage floods nothing else."""
-        kind = why.split(":")[0]
-        self._refusals[node, kind] += 1
-        count = self._refusals[node, kind]
-        if str(count).strip("0") == "1":
+        count = self._told_of(node, why.split(":")[0])
+        if count:
             text = f"an action of {node} was refused: {why}"
             self.tell(Event(self._tick, "refused", node, text, {"bytes": len(data), "count": count}))
+
+    def _told_of(self, node: str, kind: str) -> int:
+        """Count one more of a kind: how many there were when they are to be told of now, else 0."""
+        self._refusals[node, kind] += 1
+        count = self._refusals[node, kind]
+        return count if str(count).strip("0") == "1" else 0
 
     def _on_token(self, key: str, alive: bool) -> None:
         node = channels.node_of(key)
         if not alive:
             return self._alive.discard(node)
         if node not in self._percepts:
-            return self.tell(Event(self._tick, "refused", node, f"{node} is a spare without a body; it is ignored"))
+            count = self._told_of(node, "token")
+            text = f"{node} is a spare without a body; it is ignored"
+            return self.tell(Event(self._tick, "refused", node, text, {"count": count})) if count else None
         self._alive.add(node)
         if node in self._open:  # its link broke with a grant under way: put it again, it is idempotent
             self._percepts[node].put(self._open[node][1])
 
-    def _on_session(self, session: str) -> None:
-        if session not in self._known_sessions:
-            text = f"session {session} joined with somebody's password, but is not theirs: it has no rights"
-            self.tell(Event(self._tick, "stranger", "", text, {"session": session}))
+    def _on_session(self, session: str, address: str) -> None:
+        if session in self._known_sessions:
+            return
+        count = self._told_of("", "stranger")
+        if count or self._refusals["", "stranger"] <= STRANGERS_TOLD:
+            who = process_behind(address)
+            text = f"{who} joined with somebody's password, but not with their session: it has no rights"
+            self.tell(Event(self._tick, "stranger", "", text, {"session": session, "address": address}))
 
     def _on_notice(self, data: bytes) -> None:
-        notice = codec.decode(Notice, data)
+        try:
+            notice = codec.decode(Notice, data)
+        except codec.Malformed as error:
+            return self.tell(Event(self._tick, "refused", "", f"a notice of the launcher was refused: {error}"))
         match notice:
             case Started(node, pid, incarnation):
                 self._pids[node], self._incarnations[node] = pid, incarnation
             case Done(number):
                 self._done[number] = notice
             case Exited(node, incarnation, status, last_lines):
-                if incarnation == self._incarnations[node]:
+                if incarnation == self._incarnations.get(node):
                     self._on_death(node, status, last_lines)
             case Finish():
                 self.finishing = True
@@ -258,8 +274,6 @@ class LiveSwarm:
             case "step":
                 self._paused, self._steps = True, self._steps + max(1, round(request.value))
             case "speed":
-                if request.value < 0:
-                    return Reply(False, f"speed must be >= 0 (0: as fast as it goes), got {request.value}")
                 self._pace, self._pace_origin = request.value or None, None
         return Reply(True, request.verb, self._status())
 
@@ -273,7 +287,7 @@ class LiveSwarm:
     def _take(self, limit: float | None) -> bool:
         """Handle one thing that arrived, waiting for it until `limit`. False when nothing came."""
         try:
-            timeout = None if limit is None else max(0.0, limit - time.monotonic())
+            timeout = None if limit is None else min(max(0.0, limit - time.monotonic()), TIMEOUT_MAX)
             handler, *given = self._queue.get(timeout=timeout)
         except Empty:
             return False

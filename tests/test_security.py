@@ -1,0 +1,276 @@
+"""A robot cannot hear or speak out of turn, whoever joins its run and whatever is said there."""
+
+import asyncio
+import json
+import os
+import stat
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import msgspec
+import psutil
+import pytest
+import zstandard
+
+from deploy.launcher import Launcher
+from deploy.recorder import events
+from deploy.rehearsal import rehearse
+from deploy.scenario_file import load_scenario, to_toml
+from tests.live import PATIENCE_S, ROOT, wait_until
+from tests.rogue import Plan
+from wire import channels, codec
+from wire.credentials import OBSERVERS, OPERATOR, SUPERVISOR, Book, Credential, fresh, hand_over
+from wire.link import open_client
+from wire.messages import Action, Reply, Request
+from world_server.journal import read
+
+TICKS = 250
+VICTIMS = ("r2", "r3")
+SPARE, OTHER_SPARE = "r6", "r7"
+LISTENING_TICKS = 10
+OVERSIZE = 9 * 1024 * 1024
+SCENARIO = f"""
+mission = "area"
+duration_s = {TICKS}
+field = {{ kind = "grid", columns = 8, rows = 8 }}
+robots = {{ count = 4, behaviour = "lr_pt", spares = 2 }}
+clock = {{ kind = "paced", rate = 5 }}
+radio = {{ rules = [{{ kind = "range", range_m = 90 }}] }}
+"""
+
+
+class Process:
+    """A rogue process and what it told."""
+
+    def __init__(self, plan: Plan) -> None:
+        descriptor = hand_over(msgspec.msgpack.encode(plan))
+        command = [sys.executable, "-m", "tests.rogue", str(descriptor)]
+        pipe = subprocess.PIPE
+        self._popen = subprocess.Popen(command, cwd=ROOT, pass_fds=[descriptor], stdin=pipe, stdout=pipe, text=True)
+        os.close(descriptor)
+        self.told: dict[str, Any] = {"pid": self._popen.pid}
+
+    def read(self) -> dict[str, Any]:
+        """Wait for the next line and take it over; nothing at the end."""
+        line = self._popen.stdout.readline()
+        self.told |= json.loads(line) if line else {}
+        return self.told
+
+    def stop(self) -> None:
+        """Let it tell what it heard, and end."""
+        self._popen.stdin.write("\n")
+        self._popen.stdin.flush()
+        self.read()
+
+    def end(self) -> None:
+        """Nothing is left."""
+        self._popen.kill()
+        self._popen.communicate()
+
+
+class Siege(NamedTuple):
+    """All that was seen of a run while rogues attacked it."""
+
+    folder: Path
+    book: Book
+    rogues: dict[str, dict[str, Any]]
+    events: list[dict[str, Any]]
+    sockets: dict[str, list[Any]]
+    public: dict[str, bytes]
+    operator_file: tuple[int, int]
+    operator_file_left: bool
+    alive_after: list[str]
+
+    def heard_by(self, rogue: str) -> set[str]:
+        """Keys of everything that a rogue heard or was answered, without the run's prefix."""
+        told = self.rogues[rogue]
+        prefix = f"picket/{self.book.run}/"
+        return {one.replace(prefix, "") for one in told["heard"] + told["replies"]}
+
+
+def rogues_of(book: Book) -> dict[str, Plan]:
+    """Every rogue by name; all of them try everything."""
+    def plan(credential: Credential | None, own: str = "", say: tuple[bytes, ...] = ()) -> Plan:
+        return Plan(book.run, book.endpoint, credential, VICTIMS, own, say)
+
+    def borrowed(user: str) -> Credential:
+        password = book.ticket(user).credential.password
+        return Credential(user, password, fresh(user).session)
+
+    return {
+        "nobody": plan(None),
+        "guesser": plan(fresh("r2")),
+        "spare": plan(book.nodes[SPARE], SPARE, garbage()),
+        "twin": plan(book.nodes["r2"]),
+        "twin of the launcher": plan(book.others[SUPERVISOR]),
+        "thief": plan(borrowed("r2")),
+        "thief of the launcher": plan(borrowed(SUPERVISOR)),
+        "observer": plan(book.others[OBSERVERS[1]]),
+        "operator": msgspec.structs.replace(plan(book.others[OPERATOR]), may_ask=True),
+    }
+
+
+def garbage() -> tuple[bytes, ...]:
+    """100 messages of every kind that no world should take for an action."""
+    stale = codec.encode(Action(0, 0, None, (b"hear me",), 1))
+    frames = codec.encode(Action(1, 1, None, (bytes(100_000),) * 3, 2))
+    kinds = (b"", b"\x00", b"\xff" * 64, b"\x01\xc1", b"\x02" + stale[1:], stale[:-1], stale, frames)
+    return (bytes(OVERSIZE), *(kinds * 13)[:99])
+
+
+def attack(launcher: Launcher, ticks: list[int], folder: Path) -> dict[str, Any]:
+    """Let all rogues loose on a live run; returns what was seen."""
+    wait_until(lambda: ticks, "the first tick")
+    plans = rogues_of(launcher.book)
+    rogues = {name: Process(plan) for name, plan in plans.items()}
+    try:
+        joined = [one for one in rogues.values() if one.read()["joined"]]
+        for one in joined:
+            one.read()
+        until = ticks[-1] + LISTENING_TICKS
+        wait_until(lambda: ticks[-1] >= until, "the run to go on")
+        wait_until(lambda: refusals(folder, 100), "the world to have had all of the spare's garbage")
+        seen = {"sockets": sockets(launcher), "public": public_files(launcher)}
+        for one in joined:
+            one.stop()
+    finally:
+        for one in rogues.values():
+            one.end()
+    operator_file = next((folder.parent / "private").glob("picket-*/*.json"))
+    modes = tuple(stat.S_IMODE(place.stat().st_mode) for place in (operator_file, operator_file.parent))
+    alive = hurry(launcher.book)
+    return seen | {"rogues": {name: one.told for name, one in rogues.items()}, "operator_file": modes,
+                   "alive_after": alive}
+
+
+def hurry(book: Book) -> list[str]:
+    """Let the run go on as fast as it can; returns who is alive."""
+    link = open_client(book.ticket(OPERATOR))
+    answer = link.ask(channels.key(book.run, channels.CONTROL), codec.encode(Request("speed")), PATIENCE_S)
+    link.close()
+    return codec.decode(Reply, answer).data["alive"]
+
+
+def refusals(folder: Path, count: int) -> list[dict[str, Any]]:
+    """Events of refused actions of the spare that count so many."""
+    return [one for one in events(folder) if one["kind"] == "refused" and one["data"].get("count") == count]
+
+
+def sockets(launcher: Launcher) -> dict[str, list[Any]]:
+    """Every socket of every process of a run, of whatever family."""
+    return {name: psutil.Process(child.pid).net_connections("all") for name, _, child, _ in launcher.processes}
+
+
+def public_files(launcher: Launcher) -> dict[str, bytes]:
+    """What everybody can read of every process: its command line, and its environment."""
+    return {
+        f"{name} {what}": Path(f"/proc/{child.pid}/{what}").read_bytes()
+        for name, _, child, _ in launcher.processes
+        for what in ("cmdline", "environ")
+    }
+
+
+@pytest.fixture(scope="module")
+def siege(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Siege]:
+    """One live run, attacked by every rogue at once while it goes on."""
+    place = tmp_path_factory.mktemp("siege")
+    (place / "siege.toml").write_text(SCENARIO)
+    scenario = load_scenario(place / "siege.toml")
+    folder = place / "besieged"
+    (folder / "logs").mkdir(parents=True)
+    (folder / "scenario.toml").write_text(to_toml(scenario))
+    (place / "private").mkdir(mode=0o700)
+    ticks: list[int] = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_RUNTIME_DIR", str(place / "private"))
+        launcher = Launcher(scenario, folder, TICKS, lambda facts: ticks.append(facts.tick))
+
+        async def run() -> dict[str, Any]:
+            async with asyncio.TaskGroup() as both:  # an attack that fails ends the run
+                both.create_task(launcher.run(None, print))
+                attacking = both.create_task(asyncio.to_thread(attack, launcher, ticks, folder))
+            return attacking.result()
+
+        seen = asyncio.run(run())
+    left = any((place / "private").glob("picket-*/*"))
+    yield Siege(folder, launcher.book, events=events(folder), operator_file_left=left, **seen)
+
+
+@pytest.mark.parametrize("rogue", ["nobody", "guesser", "twin", "twin of the launcher"])
+def test_whoever_has_no_password_or_a_session_that_is_taken_is_refused(siege: Siege, rogue: str) -> None:
+    assert siege.rogues[rogue]["joined"] is False
+
+
+@pytest.mark.parametrize("rogue", ["spare", "thief", "thief of the launcher"])
+def test_a_rogue_that_may_join_hears_nothing_that_is_not_its_own(siege: Siege, rogue: str) -> None:
+    assert siege.rogues[rogue]["tried"]
+    assert siege.heard_by(rogue) == set()
+
+
+def test_an_observer_hears_the_world_and_nothing_else(siege: Siege) -> None:
+    assert siege.heard_by("observer") == {"world/truth", "world/event"}
+
+
+def test_an_operator_is_answered_and_hears_nothing(siege: Siege) -> None:
+    assert siege.heard_by("operator") == {"control"}
+
+
+def test_the_attacked_run_ends_with_the_hash_of_a_run_without_rogues(siege: Siege, tmp_path: Path) -> None:
+    *_, end = read(siege.folder / "journal")
+    scenario = load_scenario(siege.folder / "scenario.toml")
+    _, _, undisturbed = rehearse(scenario, to_toml(scenario), tmp_path, TICKS)
+    assert (end.tick, end.completed, end.run_hash) == (TICKS, True, undisturbed)
+
+
+def test_what_a_spare_says_on_its_own_key_is_an_event_with_its_id(siege: Siege) -> None:
+    refused = [one for one in siege.events if one["kind"] == "refused"]
+    assert {one["node"] for one in refused} == {SPARE}
+    assert {one["data"]["count"] for one in refused if "bytes" in one["data"]} == {1, 10, 100}
+
+
+def test_nothing_but_the_spares_own_words_reached_the_world(siege: Siege) -> None:
+    kinds = {one["kind"] for one in siege.events}
+    assert kinds == {"refused", "stranger", "end"}
+
+
+def test_a_foreign_token_neither_raises_nor_ends_a_life(siege: Siege) -> None:
+    assert siege.alive_after == ["r1", "r2", "r3", "r4", "r5"]
+
+
+def test_a_borrowed_password_is_reported_with_the_process_that_uses_it(siege: Siege) -> None:
+    told = [one["text"] for one in siege.events if one["kind"] == "stranger"]
+    assert len(told) == 2
+    for rogue in ("thief", "thief of the launcher"):
+        assert any(f"process {siege.rogues[rogue]['pid']} (" in text and "tests.rogue" in text for text in told)
+
+
+def test_an_agent_process_holds_no_socket_but_its_link(siege: Siege) -> None:
+    port = int(siege.book.endpoint.rpartition(":")[2])
+    for node in siege.book.nodes.keys() - {SPARE, OTHER_SPARE}:
+        (only,) = siege.sockets[node]
+        assert (only.status, only.raddr) == (psutil.CONN_ESTABLISHED, ("127.0.0.1", port)), node
+
+
+def test_nothing_of_a_run_listens_beyond_loopback(siege: Siege) -> None:
+    listening = [one for all_of_one in siege.sockets.values() for one in all_of_one if not one.raddr]
+    port = int(siege.book.endpoint.rpartition(":")[2])
+    assert [tuple(one.laddr) for one in listening] == [("127.0.0.1", port)]
+
+
+def test_no_secret_is_in_a_command_line_an_environment_or_the_run_folder(siege: Siege) -> None:
+    places = siege.public | {str(place): place.read_bytes() for place in siege.folder.rglob("*") if place.is_file()}
+    places["journal, expanded"] = zstandard.ZstdDecompressor().decompressobj().decompress(
+        (siege.folder / "journal").read_bytes()
+    )
+    assert len(places) > 15
+    for one in siege.book.everyone:
+        for secret in (one.password, one.session):
+            assert not [name for name, data in places.items() if secret.encode() in data]
+
+
+def test_the_operators_file_is_private_and_gone_after_the_run(siege: Siege) -> None:
+    assert siege.operator_file == (0o600, 0o700)
+    assert not siege.operator_file_left
