@@ -116,13 +116,13 @@ class LrPt(Behaviour):
         """
         most = self.parameters.report_priority_max_s
         tower = self.configuration.tower
-        if not any(one.sender == tower for one in heard):
+        if any(one.sender == tower for one in heard):
+            self.contact_tick = tick  # before the loop: the tower comes first, whatever its number
+        else:
             self.priority_s = min(most, self.priority_s + self.configuration.tick_s)
         taken_over = False
         for sender, sent_tick, bulletin in heard:
-            if sender == tower:
-                self.contact_tick = tick
-            elif bulletin.message is not None and self._contact_is_older(tick, sender, sent_tick, bulletin.message):
+            if bulletin.message is not None and sender != tower and self._contact_is_older(tick, sender, sent_tick, bulletin.message):
                 theirs, own = bulletin.message.priority_s, self.priority_s
                 raised = max(own, theirs) + self.parameters.takeover_discount * min(own, theirs)
                 self.priority_s = min(most, raised)
