@@ -8,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from swarm_agent.behaviour import Heard
-from swarm_agent.behaviours.lr_pt import PUBLISHED, LrPtParameters
+from swarm_agent.behaviours.lr_pt import PUBLISHED, LrPt, LrPtParameters
 from swarm_agent.knowledge import AssumedIdleness
 from tests.builders import entries, from_robot, from_tower, percept, robot, table
+from wire import codec
 from wire.fields import Grid
 from wire.messages import Sighting
 
@@ -290,6 +291,14 @@ def test_compensated_an_older_contact_is_older_and_a_newer_one_is_not():
         one.contact_tick, one.priority_s = 100, 4.0
         one.update_priority(200, [from_robot("r3", 199, 50.0, contact_tick)])
         assert one.priority_s == priority_s
+
+
+@pytest.mark.parametrize("priority_s", [math.nan, -1.0])
+def test_a_priority_that_is_no_number_of_seconds_is_not_understood(priority_s):
+    """Source: none; a NaN from one neighbour would make every utility of everybody a NaN."""
+    said = from_robot("r3", 199, priority_s).message
+    with pytest.raises(codec.Malformed):
+        codec.decode(LrPt.Radio, codec.encode(said))
 
 
 # Equations 10 and 11

@@ -59,7 +59,7 @@ class LrPtParameters(Parameters, frozen=True):
 class Duty(msgspec.Struct, frozen=True, array_like=True):
     """What LR-PT adds to the news: report priority, last contact with the tower, and where the robot goes."""
 
-    priority_s: float
+    priority_s: Annotated[float, msgspec.Meta(ge=0)]  # which also refuses NaN
     contact_tick: int
     goal: int
     target: int
