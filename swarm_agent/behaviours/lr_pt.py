@@ -122,8 +122,11 @@ class LrPt(Behaviour):
             self.priority_s = min(most, self.priority_s + self.configuration.tick_s)
         taken_over = False
         for sender, sent_tick, bulletin in heard:
-            if bulletin.message is not None and sender != tower and self._contact_is_older(tick, sender, sent_tick, bulletin.message):
-                theirs, own = bulletin.message.priority_s, self.priority_s
+            duty = bulletin.message
+            if sender == tower or duty is None:
+                continue
+            if self._contact_is_older(tick, sender, sent_tick, duty):
+                theirs, own = duty.priority_s, self.priority_s
                 raised = max(own, theirs) + self.parameters.takeover_discount * min(own, theirs)
                 self.priority_s = min(most, raised)
                 taken_over = True
