@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, WAKE_ON_SENSOR, Action, Why
+from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, WAKE_ON_SENSOR, Action, GoTo, Why
 from world_server.motion import Body
 
 ALIVE, FROZEN, DEAD = 0, 1, 2
@@ -32,6 +32,7 @@ class Node:
         self.refused_frames = 0
         self.seen: tuple[str, ...] = ()
         self.arrival_pending = False
+        self._errand: GoTo | None = None
         self._letters: list[Letter] = []
         self._inbox_frames = inbox_frames
         self._wake_tick: int | None = 0
@@ -93,13 +94,16 @@ class Node:
     def die(self) -> None:
         """The body stays where it is; radio and mind are gone."""
         self.mode = DEAD
-        self.body.goal = None
+        self._errand, self.body.goal = self.body.goal, None
         self._letters = []
         self._wake_tick, self._wake_on = None, 0
 
     def rise(self, tick: int, keeps_memory: bool) -> None:
-        """A new process for the old body."""
+        """A new process for the old body. A kept memory goes on with its errand, so that a visit completed
+        as it died counts when it wakes, for it and for the world.
+        """
         self.mode = ALIVE
+        self.body.goal = self._errand if keeps_memory else None
         self.incarnation += 1
         self.newborn = not keeps_memory
         self.refused_frames, self.arrival_pending, self.seen = 0, False, ()
