@@ -105,6 +105,6 @@ class Node:
         self.mode = ALIVE
         self.body.goal = self._errand if keeps_memory else None
         self.incarnation += 1
-        self.newborn = not keeps_memory
+        self.newborn = self.newborn or not keeps_memory  # who never began has nothing to keep
         self.refused_frames, self.arrival_pending, self.seen = 0, False, ()
         self._wake_tick = tick
