@@ -100,6 +100,8 @@ class World:
         """The next tick at which anything can happen, or None when nothing ever will by itself."""
         if not all(node.body.at_rest for node in self._rows):
             return tick + 1
+        if any(node.watches and _names(self._sight(row)) != node.seen for row, node in enumerate(self._rows)):
+            return tick + 1
         due = [one for one in (node.next_due(tick) for node in self._rows) if one is not None]
         newborn = any(node.newborn and node.mode == ALIVE for node in self._rows)
         return tick + 1 if newborn else min(due, default=None)
