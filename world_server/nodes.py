@@ -35,6 +35,7 @@ class Node:
         self.refused_frames = 0
         self.seen: tuple[str, ...] = ()
         self.arrival_pending = False
+        self.on_patrol = False
         self._errand: GoTo | None = None
         self._letters: list[Letter] = []
         self._inbox_frames = inbox_frames
@@ -99,6 +100,7 @@ class Node:
         self.arrival_pending = False
         goal = self.body.goal
         self.body.command(action.motion)
+        self.on_patrol = self.on_patrol or action.motion is not None
         if self.body.goal != goal and self.body.arrived:
             self.arrival_pending = True
 
