@@ -87,7 +87,7 @@ def scenario(robots: Robots | int = 2, behaviour: str = "lr_pt", parameters: dic
 
 def scripted(scripts: dict[str, dict[str, Any]], poses: Iterable[tuple[float, float]], **fields: Any) -> Scenario:
     """A scenario of scripted robots r2, r3, ... at these positions, with a tower that stands still and mute."""
-    places = tuple((*place, 0.0) for place in poses)
+    places = tuple((float(x_m), float(y_m), 0.0) for x_m, y_m in poses)
     robots = fields.pop("robots", Robots("tests.scripted:Scripted", len(places)))
     mute = TowerSection(behaviour="swarm_agent.behaviours.stand_still:StandStill")
     told = {"parameters": {"scripts": scripts}, "poses": places, "tower": mute} | fields
