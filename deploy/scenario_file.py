@@ -1,8 +1,10 @@
 """From a TOML file and `--set` options to a checked Scenario, with errors an operator can act on."""
 
 import difflib
+import math
 import re
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, get_args
 
@@ -13,11 +15,16 @@ from swarm_agent.behaviour import BehaviourError, find_behaviour, settled_parame
 from wire.channels import number_of
 from wire.scenario import Partition, Poses, Scenario
 
+MAX_TICKS = 2**32 - 1  # times of visits travel as uint32
+MAX_SITES = 2**16  # and their sites as uint16
 SHIPPED = Path(__file__).parent / "scenarios"
 
 
 class ScenarioError(Exception):
-    """An operator's mistake in a scenario: names the file, the field, the value and what would be right."""
+    """An operator's mistake, in one line: the file, the field, the value and what would be right."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(" ".join(text.splitlines()))
 
 
 def shipped_scenarios() -> dict[str, Path]:
@@ -30,9 +37,13 @@ def find_scenario(name: str) -> Path:
     if name in shipped_scenarios():
         return shipped_scenarios()[name]
     path = Path(name)
-    if path.is_dir():
-        raise ScenarioError(f"{name}: is a directory; give a scenario file")
-    if not path.exists():
+    try:
+        if path.is_dir():
+            raise ScenarioError(f"{name}: is a directory; give a scenario file")
+        found = path.exists()
+    except OSError:  # a name that no file can have
+        found = False
+    if not found:
         near = difflib.get_close_matches(name, shipped_scenarios(), 1)
         hint = f"did you mean {near[0]}?" if near else "`picket scenarios` lists the shipped ones"
         raise ScenarioError(f"{name}: no such file and no such scenario; {hint}")
@@ -49,6 +60,8 @@ def load_scenario(path: Path, settings: list[str] = [], **overrides: Any) -> Sce
         _apply(document, setting)
     document.update(overrides)
     source = path.name
+    for place, number in _endless(document):
+        raise ScenarioError(f"{source}: {place} must be finite, got {number}")
     try:
         scenario = msgspec.convert(document, Scenario)
     except msgspec.ValidationError as error:
@@ -69,6 +82,8 @@ def _read(path: Path) -> dict[str, Any]:
         raise ScenarioError(f"{path.name}: not UTF-8 text (byte {error.start}); a scenario is TOML") from None
     except tomllib.TOMLDecodeError as error:
         raise ScenarioError(f"{path.name}: not valid TOML: {error}") from None
+    except RecursionError:
+        raise ScenarioError(f"{path.name}: not valid TOML: nested too deeply") from None
     except OSError as error:
         raise ScenarioError(f"{path}: cannot be read: {error.strerror}") from None
 
@@ -80,7 +95,7 @@ def _apply(document: dict[str, Any], setting: str) -> None:
         raise ScenarioError(f"--set {setting}: must be key.path=value")
     try:
         value = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (tomllib.TOMLDecodeError, RecursionError):
         value = text
     *parents, last = path.split(".")
     place: Any = document
@@ -101,7 +116,7 @@ def _explain(error: str, document: Any, kind: Any = Scenario) -> str:
     steps = re.findall(r"\.([^.\[\]`]+)|\[(\d+)\]", place)
     names = [name or int(index) for name, index in steps]
     field = "".join(f"[{one}]" if isinstance(one, int) else f".{one}" for one in names).lstrip(".")
-    unknown = re.search(r"unknown field `(.+)`", what)
+    unknown = re.search(r"unknown field `(.+)`", what, re.DOTALL)
     if unknown:
         return _unknown(unknown.group(1), field, kind, names)
     missing = re.search(r"missing required field `(.+)`", what)
@@ -111,7 +126,7 @@ def _explain(error: str, document: Any, kind: Any = Scenario) -> str:
     for one in names:
         value = value[one]
     words = what.replace("Expected", "must be").replace("Invalid", "is an invalid")
-    return f"{field} {words}, got {value!r}".replace("`", "")
+    return f"{field} {words}, got {value!r}".replace("`", "").lstrip()
 
 
 def _unknown(name: str, field: str, kind: Any, names: list[str | int]) -> str:
@@ -151,6 +166,18 @@ def _inside(kind: Any, name: str | int) -> Any:
     return hints.get(name)
 
 
+def _endless(value: Any, place: str = "") -> Iterator[tuple[str, float]]:
+    """Place and value of every number in a document that is infinite or none; TOML knows both."""
+    if isinstance(value, float) and not math.isfinite(value):
+        yield place, value
+    elif isinstance(value, dict):
+        for name, one in value.items():
+            yield from _endless(one, f"{place}.{name}".lstrip("."))
+    elif isinstance(value, list):
+        for number, one in enumerate(value):
+            yield from _endless(one, f"{place}[{number}]")
+
+
 def _check(scenario: Scenario, source: str) -> None:
     """What types cannot say. Raises ScenarioError."""
 
@@ -165,6 +192,7 @@ def _check(scenario: Scenario, source: str) -> None:
             other = numbers[number_of(node)]
             refuse(f"robots.ids: {node} and {other} share the number {number_of(node)}; numbers are unique")
         numbers[number_of(node)] = node
+    _check_sizes(scenario, refuse)
     if scenario.metrics_from_s > scenario.duration_s:
         refuse(f"metrics_from_s must be <= duration_s ({scenario.duration_s}), got {scenario.metrics_from_s}")
     start = scenario.robots.start
@@ -179,6 +207,17 @@ def _check(scenario: Scenario, source: str) -> None:
     _check_faults(scenario, refuse)
 
 
+def _check_sizes(scenario: Scenario, refuse: Any) -> None:
+    """What must fit into the numbers of messages: ticks, sites and ids."""
+    if scenario.duration_s / scenario.tick_s > MAX_TICKS:
+        refuse(f"duration_s must be <= {MAX_TICKS} ticks of {scenario.tick_s} s, got {scenario.duration_s}")
+    sites = scenario.field.columns * scenario.field.rows
+    if sites > MAX_SITES:
+        refuse(f"field must have at most {MAX_SITES} sites, got {sites}")
+    if any(number_of(node) > 9999 for node in scenario.spare_ids):
+        refuse(f"robots.spares must leave ids within r9999, got {scenario.robots.spares}")
+
+
 def _check_faults(scenario: Scenario, refuse: Any) -> None:
     """Every fault has a node, a time within the run, and a state of the node in which it makes sense."""
     state = dict.fromkeys(scenario.node_ids, "alive")
@@ -188,7 +227,7 @@ def _check_faults(scenario: Scenario, refuse: Any) -> None:
         place = f"faults[{number}]"
         if bool(fault.nodes) == (fault.highest_ids_share is not None):
             refuse(f"{place} needs either nodes or highest_ids_share")
-        if fault.at_s > scenario.duration_s:
+        if scenario.tick_of(fault.at_s) > scenario.last_tick:
             refuse(f"{place}.at_s must be <= duration_s ({scenario.duration_s}), got {fault.at_s}")
         for node in scenario.nodes_of(fault):
             if node not in state:

@@ -4,6 +4,7 @@ Source: Kobayashi et al. 2025, section IV-A: its table gives the SA delay.
 """
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import msgspec
 import numpy as np
@@ -23,7 +24,7 @@ class Awareness(msgspec.Struct, frozen=True, array_like=True):
 class BaseStationParameters(Parameters, frozen=True):
     """`items_per_tick`: how many entries a frame carries; None: all."""
 
-    items_per_tick: int | None = None
+    items_per_tick: Annotated[int, msgspec.Meta(ge=1)] | None = None
 
 
 class BaseStation(Behaviour):

@@ -7,7 +7,7 @@ import msgspec
 
 from wire.fields import Field
 
-NodeId = Annotated[str, msgspec.Meta(pattern="^[a-z][a-z_]{0,15}[0-9]{1,4}$")]
+NodeId = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z_]{0,15}[0-9]{1,4}\Z")]
 Count = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
 
 WAKE_ON_FRAME, WAKE_ON_ARRIVAL, WAKE_ON_SENSOR = 1, 2, 4

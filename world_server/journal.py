@@ -1,8 +1,9 @@
 """The journal: an append-only file of records, compressed as one stream and chained by a hash.
 
-Each record stands behind its length and the chain's value after it, and is flushed before the next grant, so
-that a reader finds everything up to the last commit even when the writer was killed. The chain covers
-commits only; it begins with the seed and the names of the nodes, and its last value is the run's hash.
+Each record stands behind its length and its seal, and is flushed before the next grant, so that a reader
+finds everything up to the last commit even when the writer was killed. A seal is the hash of the chain's
+value and the record. The chain covers commits only, whose seals are its values; it begins
+with the seed and the names of the nodes, and its last value is the run's hash.
 """
 
 import hashlib
@@ -20,8 +21,9 @@ from wire.messages import Frame, Percept
 from wire.scenario import Scenario
 from world_server.records import Commit, End, Grant, Header
 
-_FRAME = struct.Struct("<BI16s")  # kind, length, chain
+_FRAME = struct.Struct("<BI16s")  # kind, length, seal
 _KINDS = (Header, Commit, End)
+_COMMIT = 1
 _CHUNK = 1 << 20
 
 
@@ -47,7 +49,7 @@ class Journal:
         """Chain and write one commit."""
         data = codec.encode(commit)
         self._chain = _link(self._chain, data)
-        self._write(1, data)
+        self._write(_COMMIT, data)
 
     def close(self, tick: int, completed: bool) -> None:
         """Write the end."""
@@ -56,7 +58,8 @@ class Journal:
         self._stream.flush()
 
     def _write(self, kind: int, data: bytes) -> None:
-        record = _FRAME.pack(kind, len(data), self._chain) + data
+        seal = self._chain if kind == _COMMIT else _link(self._chain, data)
+        record = _FRAME.pack(kind, len(data), seal) + data
         compressed = self._compressor.compress(record)
         self._stream.write(compressed + self._compressor.flush(zstandard.COMPRESSOBJ_FLUSH_BLOCK))
         self._stream.flush()
@@ -72,9 +75,9 @@ def read(path: Path) -> Iterator[Header | Commit | End]:
             raise JournalError(f"{path}: not a journal that this program can read: {error}") from None
         if kind == 0:
             chain = _origin(record.seed, record.nodes)
-        elif kind == 1:
-            chain = _link(chain, data)
-        if chain != expected:
+        seal = _link(chain, data)
+        chain = seal if kind == _COMMIT else chain
+        if seal != expected:
             raise JournalError(f"{path}: the hash chain is broken at tick {getattr(record, 'tick', 0)}")
         yield record
 
@@ -128,7 +131,7 @@ def _link(chain: bytes, data: bytes) -> bytes:
 
 
 def _records(path: Path) -> Iterator[tuple[int, bytes, bytes]]:
-    """Kind, chain and bytes of every whole record; what follows the last whole one is ignored."""
+    """Kind, seal and bytes of every whole record; what follows the last whole one is ignored."""
     buffer = bytearray()
     with path.open("rb") as stream:
         expander = zstandard.ZstdDecompressor().decompressobj()
@@ -139,10 +142,10 @@ def _records(path: Path) -> Iterator[tuple[int, bytes, bytes]]:
                 raise JournalError(f"{path}: not a journal: {error}") from None
             start = 0
             while start + _FRAME.size <= len(buffer):
-                kind, length, chain = _FRAME.unpack_from(buffer, start)
+                kind, length, seal = _FRAME.unpack_from(buffer, start)
                 end = start + _FRAME.size + length
                 if end > len(buffer):
                     break
-                yield kind, chain, bytes(buffer[start + _FRAME.size : end])
+                yield kind, seal, bytes(buffer[start + _FRAME.size : end])
                 start = end
             del buffer[:start]

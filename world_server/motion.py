@@ -63,7 +63,8 @@ class Body:
 
 def wrapped(angle_rad: float) -> float:
     """The same angle in (-pi, pi]."""
-    return -((math.pi - angle_rad) % (2 * math.pi) - math.pi)
+    turned = math.remainder(angle_rad, math.tau)
+    return math.pi if turned == -math.pi else turned
 
 
 def first_poses(scenario: Scenario) -> dict[str, Pose]:
@@ -76,7 +77,6 @@ def first_poses(scenario: Scenario) -> dict[str, Pose]:
     else:
         poses |= {node: Pose(*pose) for node, pose in zip(scenario.robot_ids, start.poses, strict=True)}
     return {node: poses[node] for node in scenario.node_ids}
-
 
 
 def _in_fan(seed: int, row: int, radius_m: float) -> Pose:

@@ -2,10 +2,13 @@
 
 from typing import NamedTuple
 
-from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, WAKE_ON_SENSOR, Action, Why
+from wire import codec
+from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, WAKE_ON_SENSOR, Action, GoTo, Why
 from world_server.motion import Body
 
 ALIVE, FROZEN, DEAD = 0, 1, 2
+INBOX_BYTES = codec.MAX_BYTES // 2  # an inbox must fit into a percept
+LETTER_BYTES = 32  # more than what a frame needs around its payload
 
 
 class Letter(NamedTuple):
@@ -32,6 +35,8 @@ class Node:
         self.refused_frames = 0
         self.seen: tuple[str, ...] = ()
         self.arrival_pending = False
+        self.on_patrol = False
+        self._errand: GoTo | None = None
         self._letters: list[Letter] = []
         self._inbox_frames = inbox_frames
         self._wake_tick: int | None = 0
@@ -69,13 +74,21 @@ class Node:
         return max(tick + 1, min(heard + wake)) if heard or wake else None
 
     def heard(self, tick: int) -> list[Letter]:
-        """Letters that this node hears by `tick`, in order of tick, sender and place."""
-        return sorted(letter for letter in self._letters if letter.heard_tick <= tick)
+        """Letters that this node hears by `tick`, in order of tick, sender and place; the newest that fit."""
+        letters = sorted(letter for letter in self._letters if letter.heard_tick <= tick)[-self._inbox_frames :]
+        room = INBOX_BYTES
+        for newer, letter in enumerate(reversed(letters)):
+            room -= len(letter.payload) + LETTER_BYTES
+            if room < 0:
+                return letters[len(letters) - newer :]
+        return letters
 
     def deliver(self, letter: Letter) -> None:
-        """Put a frame into the inbox; when it is full the oldest goes."""
-        self._letters.append(letter)
-        del self._letters[: -self._inbox_frames]
+        """Put a frame into the inbox; when it is full the oldest goes. What is still under way takes no place."""
+        letters, most = self._letters, self._inbox_frames
+        letters.append(letter)  # in order of hearing, as all frames of a run take equally long
+        while len(letters) > most and letters[most].heard_tick <= letter.sent_tick + 1:
+            del letters[0]
 
     def answered(self, tick: int, action: Action) -> None:
         """Take over what an accepted action says of waking; what was in the inbox has been heard."""
@@ -87,20 +100,24 @@ class Node:
         self.arrival_pending = False
         goal = self.body.goal
         self.body.command(action.motion)
+        self.on_patrol = self.on_patrol or action.motion is not None
         if self.body.goal != goal and self.body.arrived:
             self.arrival_pending = True
 
     def die(self) -> None:
         """The body stays where it is; radio and mind are gone."""
         self.mode = DEAD
-        self.body.goal = None
+        self._errand, self.body.goal = self.body.goal, None
         self._letters = []
         self._wake_tick, self._wake_on = None, 0
 
     def rise(self, tick: int, keeps_memory: bool) -> None:
-        """A new process for the old body."""
+        """A new process for the old body. A kept memory goes on with its errand, so that a visit completed
+        as it died counts when it wakes, for it and for the world.
+        """
         self.mode = ALIVE
+        self.body.goal = self._errand if keeps_memory else None
         self.incarnation += 1
-        self.newborn = not keeps_memory
+        self.newborn = self.newborn or not keeps_memory  # who never began has nothing to keep
         self.refused_frames, self.arrival_pending, self.seen = 0, False, ()
         self._wake_tick = tick

@@ -59,7 +59,7 @@ class Radio:
     def __init__(self, section: RadioSection, nodes: Sequence[str], seed: int, tick_s: float) -> None:
         self._nodes = nodes
         self._limit = section.bytes_per_tick
-        self._rules = [(rule, _make(rule, nodes, seed, tick_s)) for rule in section.rules]
+        self._rules = [(rule, _make(place, rule, nodes, seed, tick_s)) for place, rule in enumerate(section.rules)]
 
     def transmit(
         self, tick: int, outboxes: Mapping[int, Sequence[bytes]], apart_m: np.ndarray, deaf: Sequence[int] = ()
@@ -134,26 +134,31 @@ def _pairs(
     return Transmissions(tick, senders[others], indices[others], receivers[others], apart_m)
 
 
-def _make(rule: Range | Loss | Latency | Partition, nodes: Sequence[str], seed: int, tick_s: float) -> Rule:
+def _make(
+    place: int, rule: Range | Loss | Latency | Partition, nodes: Sequence[str], seed: int, tick_s: float
+) -> Rule:
     match rule:
         case Range(range_m=range_m):
             return lambda sent: np.where(sent.apart_m[sent.senders, sent.receivers] <= range_m, PASS, DROP)
         case Loss(probability=probability):
-            return lambda sent: _lose(sent, probability, nodes, seed)
+            return lambda sent: _lose(sent, probability, nodes, seed, place)
         case Latency(ticks=ticks):
             return lambda sent: np.full(len(sent.senders), ticks)
         case Partition():
             return _partition(rule, nodes, tick_s)
 
 
-def _lose(sent: Transmissions, probability: float, nodes: Sequence[str], seed: int) -> np.ndarray:
-    """Draw for every frame and every possible receiver, so that who else is there changes nobody's luck."""
+def _lose(sent: Transmissions, probability: float, nodes: Sequence[str], seed: int, place: int) -> np.ndarray:
+    """Draw for every frame and every possible receiver, so that who else is there changes nobody's luck.
+
+    `place` of the rule in the list: two rules draw independently.
+    """
     verdict = np.full(len(sent.senders), PASS)
     if probability == 0:
         return verdict
     for row in np.unique(sent.senders).tolist():
         own = sent.senders == row
-        chance = generator(seed, "loss", number_of(nodes[row]), sent.tick)
+        chance = generator(seed, "loss", number_of(nodes[row]), sent.tick, place)
         draws = chance.random((int(sent.frames[own].max()) + 1, len(nodes)))
         verdict[own] = np.where(draws[sent.frames[own], sent.receivers[own]] < probability, DROP, PASS)
     return verdict

@@ -53,7 +53,9 @@ class World:
     ) -> Commit:
         """Settle one tick: act, settle, talk. Whoever was granted and has no action died without being heard."""
         answered = [name for name in percepts if name in actions]
-        visits = self._sites.visits({node.name: node.body for node in self._rows if node.mode == ALIVE})
+        visits = self._visits()
+        for name, _ in visits:
+            self.nodes[name].on_patrol = False
         grants = tuple(self._grant(name, percepts[name]) for name in answered)
         for name in answered:
             self.nodes[name].seen = _names(percepts[name].senses.in_sight)
@@ -100,9 +102,18 @@ class World:
         """The next tick at which anything can happen, or None when nothing ever will by itself."""
         if not all(node.body.at_rest for node in self._rows):
             return tick + 1
+        if any(node.watches and _names(self._sight(row)) != node.seen for row, node in enumerate(self._rows)):
+            return tick + 1
+        if self._visits():
+            return tick + 1
         due = [one for one in (node.next_due(tick) for node in self._rows) if one is not None]
         newborn = any(node.newborn and node.mode == ALIVE for node in self._rows)
         return tick + 1 if newborn else min(due, default=None)
+
+    def _visits(self) -> tuple[tuple[str, int], ...]:
+        """(node, site) of every patrol that is complete on the present positions."""
+        on_patrol = {node.name: node.body for node in self._rows if node.mode == ALIVE and node.on_patrol}
+        return self._sites.visits(on_patrol)
 
     def _make(self, name: str, pose: Pose) -> Node:
         scenario, moves = self.scenario, name != self.scenario.tower.id

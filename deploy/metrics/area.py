@@ -72,7 +72,10 @@ class AreaMetrics:
         return {name: _times(value, 1.0) for name, value in values.items()} | normalised
 
     def _learn(self, report: bytes) -> None:
-        awareness = codec.decode(Awareness, report)
+        try:
+            awareness = codec.decode(Awareness, report)
+        except codec.Malformed:  # a tower with other words for observers: nothing is known of what it knows
+            return
         if awareness.whole:
             self.known_tick[:] = 0
         merge_news(self.known_tick, awareness.news)

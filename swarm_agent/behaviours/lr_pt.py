@@ -61,7 +61,7 @@ class LrPtParameters(Parameters, frozen=True):
 class Duty(msgspec.Struct, frozen=True, array_like=True):
     """What LR-PT adds to the news: report priority, last contact with the tower, and where the robot goes."""
 
-    priority_s: float
+    priority_s: Annotated[float, msgspec.Meta(ge=0)]  # which also refuses NaN
     contact_tick: int
     goal: int
     target: int
@@ -118,14 +118,17 @@ class LrPt(Behaviour):
         """
         most = self.parameters.report_priority_max_s
         tower = self.configuration.tower
-        if not any(one.sender == tower for one in heard):
+        if any(one.sender == tower for one in heard):
+            self.contact_tick = tick  # before the loop: the tower comes first, whatever its number
+        else:
             self.priority_s = min(most, self.priority_s + self.configuration.tick_s)
         taken_over = False
         for sender, sent_tick, bulletin in heard:
-            if sender == tower:
-                self.contact_tick = tick
-            elif bulletin.message is not None and self._contact_is_older(tick, sender, sent_tick, bulletin.message):
-                theirs, own = bulletin.message.priority_s, self.priority_s
+            duty = bulletin.message
+            if sender == tower or duty is None:
+                continue
+            if self._contact_is_older(tick, sender, sent_tick, duty):
+                theirs, own = duty.priority_s, self.priority_s
                 raised = max(own, theirs) + self.parameters.takeover_discount * min(own, theirs)
                 self.priority_s = min(most, raised)
                 taken_over = True
