@@ -9,13 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from deploy.scenario_file import to_toml
-from tests.builders import AWAKE, Course, course, planned, scenario, scripted
+from tests.builders import AWAKE, Course, course, facts, planned, scenario, scripted
 from wire import codec
-from wire.messages import Action
+from wire.messages import Action, Senses
 from wire.scenario import Loss, PlannedFault, RadioSection, Range
 from world_server.clock import Clock
 from world_server.journal import Journal, JournalError, commits, read
-from world_server.records import Commit, End, Header
+from world_server.records import Commit, End, Grant, Header
 from world_server.world import World
 
 # The journal
@@ -156,3 +156,14 @@ def test_a_run_that_is_finished_early_ends_at_a_tick_boundary(tmp_path):
     assert Clock(World(plan), Finishing(), journal, 40).run() == (7, False)
     (tmp_path / "journal").write_bytes(stream.getvalue())
     assert records_of(tmp_path / "journal")[-1] == End(7, False, journal.run_hash)
+
+
+def test_a_commit_larger_than_any_message_is_read_back(tmp_path):
+    """The bound on messages protects listeners; the journal of a large, loquacious swarm has its own."""
+    plan, stream = scenario(2), io.BytesIO()
+    grants = (Grant("r2", 0, "wake", Senses(), (), None),)
+    said = Action(0, 0, outbox=(bytes(codec.MAX_BYTES + 1),))
+    big = Commit(0, grants, (said,), (b"", b"", b"", b""), facts(0))
+    Journal(stream, plan, "", b"").append(big)
+    (tmp_path / "journal").write_bytes(stream.getvalue())
+    assert records_of(tmp_path / "journal")[1] == big

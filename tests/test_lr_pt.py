@@ -84,9 +84,9 @@ def test_the_s_entries_with_the_newest_visits_are_sent():
 
 def test_equally_new_entries_are_sent_in_order_of_site():
     """Source: Algorithm 1, lines 8-11; the tie is our choice."""
-    knowledge = AssumedIdleness(6)
-    knowledge.merge(table(s1=5, s3=5, s4=5, s0=2))
-    assert entries(knowledge.newest(2)) == {1: 5, 3: 5}
+    knowledge = AssumedIdleness(400)
+    knowledge.merge(table(s0=2, **{f"s{site}": 5 for site in range(1, 300)}))
+    assert entries(knowledge.newest(100)) == dict.fromkeys(range(1, 101), 5)
 
 
 @pytest.mark.parametrize("items", ["newest", "unsent"])

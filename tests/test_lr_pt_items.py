@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from swarm_agent.behaviour import Heard
 from swarm_agent.behaviours.lr_pt import PUBLISHED, LrPtParameters
-from tests.builders import percept, robot, table
+from swarm_agent.knowledge import Bulletin
+from tests.builders import NO_NEWS, percept, robot, table
 from wire.fields import Grid
 
 CENTRE_0 = (15.0, 15.0)
@@ -78,6 +79,15 @@ def test_unsent_says_nothing_old_once_every_neighbour_has_everything():
     reply = Heard("r3", 129, listener._bulletin(129, []))
     speaker.memory.listen([reply])
     assert not speaker.memory.unknown_to(["r3"], speaker.knowledge.visited_tick).any()
+
+
+def test_what_is_acknowledged_to_another_is_not_taken_for_ours():
+    """Source: our option items; two robots speak in the same tick, and only the other was heard."""
+    speaker = knowing("r2", "unsent")
+    speaker.step(percept(100), [])
+    answer = Bulletin(NO_NEWS, (("r4", 100),), 0, None)
+    speaker.memory.listen([Heard("r3", 101, answer)])
+    assert speaker.memory.unknown_to(["r3"], speaker.knowledge.visited_tick).sum() == 40
 
 
 def test_unsent_is_newest_when_there_is_room_for_all():
