@@ -1,0 +1,202 @@
+"""The dashboard: an ear and no mouth. The only user of Rerun; the same picture live and in recordings.
+
+Fields have their origin at the bottom left and y upwards; Rerun's 2D views have y downwards. Everything that
+is drawn is therefore given at (x, -y), in metres, and images begin with their top row. A snapshot is one row
+of each entity at its `sim_time`; changes of state and events stand at their own times.
+"""
+
+import argparse
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from typing import Any
+
+import msgspec
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from deploy.handover import Handover
+from deploy.scene import DEAD, FROZEN, ICE, RED, Plot, Scene, Snapshot
+from wire import channels, codec
+from wire.credentials import Ticket, die_with_parent, receive
+from wire.link import LinkError, open_client
+from wire.messages import Event, Facts, TruthBlock
+from wire.scenario import Scenario
+from world_server.journal import commits, read
+
+TIMELINE = "sim_time"
+SNAPSHOTS_AT_MOST = 1500
+WHITE, GREY = (240, 240, 245), (120, 124, 140)
+RADIO = Plot("radio", "Radio: frames delivered per tick", (("delivered", (110, 200, 220)),))
+
+
+class Picture:
+    """One Rerun stream that shows one scene. All calls may block: Rerun waits for its sink."""
+
+    def __init__(self, stream: rr.RecordingStream, scene: Scene) -> None:
+        self._stream = stream
+        self._nodes = scene.nodes
+        self._tower = scene.nodes.index(scene.scenario.tower.id)
+        self._robots = [row for row in range(len(scene.nodes)) if row != self._tower]
+        self._colours = {"base station": WHITE, FROZEN: ICE, DEAD: RED} | scene.mission.states
+        self._hottest_s = getattr(scene.mission, "hottest_s", None)
+        self._log_fixed(scene)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Log a snapshot: its state as one row per entity, and what happened before it at its own times."""
+        stream = self._stream
+        for change in snapshot.changes:
+            if change.node != self._nodes[self._tower] or change.state in (DEAD, FROZEN):
+                stream.set_time(TIMELINE, duration=change.time_s)
+                stream.log(f"states/{change.node}", rr.StateChange(state=change.state))
+        for line in snapshot.lines:
+            stream.set_time(TIMELINE, duration=line.time_s)
+            stream.log("events", rr.TextLog(line.text, level=line.level))
+        stream.set_time(TIMELINE, duration=snapshot.time_s)
+        self._log_map(snapshot)
+        for name, values in snapshot.curves.items():
+            stream.log(f"plots/{name}", rr.Scalars(values))
+
+    def _log_map(self, snapshot: Snapshot) -> None:
+        stream, robots = self._stream, self._robots
+        points = _view(snapshot.positions_m)
+        colours = [self._colours[state] for state in snapshot.states]
+        stream.log("map/robots", rr.Points2D.from_fields(
+            positions=points[robots], colors=[colours[row] for row in robots]))
+        stream.log("map/base", rr.Points2D.from_fields(
+            positions=points[[self._tower]], colors=[colours[self._tower]]))
+        if len(snapshot.links):
+            stream.log("map/links", rr.LineStrips2D.from_fields(strips=points[snapshot.links]))
+        else:
+            stream.log("map/links", rr.Clear(recursive=False))
+        going = np.flatnonzero(~np.isnan(snapshot.goals_m[:, 0]))
+        if len(going):
+            stream.log("map/goals", rr.Arrows2D.from_fields(
+                vectors=_view(snapshot.goals_m[going]) - points[going], origins=points[going]))
+        else:
+            stream.log("map/goals", rr.Clear(recursive=False))
+        if snapshot.heat_s is not None:
+            stream.log("map/idleness", rr.DepthImage(
+                snapshot.heat_s[::-1], meter=1.0, colormap="inferno", depth_range=(0, self._hottest_s),
+                magnification_filter="nearest", draw_order=0))
+
+    def _log_fixed(self, scene: Scene) -> None:
+        """What does not change: styles, the grid, names, the description of the run."""
+        def fixed(entity: str, what: Any) -> None:
+            self._stream.log(entity, what, static=True)
+
+        left, bottom, right, top = scene.mission.bounds_m
+        names = [scene.nodes[row] for row in self._robots]
+        fixed("map/robots", rr.Points2D.from_fields(radii=[(right - left) / 75], labels=names, draw_order=40))
+        fixed("map/base", rr.Points2D.from_fields(
+            radii=[(right - left) / 55], labels=[f"base {scene.scenario.tower.id}"], draw_order=35))
+        fixed("map/links", rr.LineStrips2D.from_fields(radii=[-1.5], colors=[(120, 230, 255)], draw_order=20))
+        fixed("map/goals", rr.Arrows2D.from_fields(radii=[-1.0], colors=[(255, 255, 255)], draw_order=10))
+        if self._hottest_s is not None:
+            cell_m = scene.scenario.field.cell_m
+            fixed("map/idleness", rr.Transform3D(translation=(left, -top, 0), scale=cell_m))
+        for plot in (*scene.mission.plots, RADIO):
+            names, colours = zip(*plot.series, strict=True)
+            fixed(f"plots/{plot.name}", rr.SeriesLines(names=names, colors=colours, widths=[1.5] * len(names)))
+        states = list(self._colours)
+        style = rr.StateConfiguration(values=states, labels=states, colors=[self._colours[one] for one in states])
+        for node in scene.nodes:
+            fixed(f"states/{node}", style)
+        fixed("info", rr.TextDocument(_description(scene), media_type="text/markdown"))
+
+
+def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
+    """The layout: the map at the left, curves, lanes of states and the event log at the right."""
+    left, bottom, right, top = scene.mission.bounds_m
+    margin = 0.04 * max(right - left, top - bottom)
+    bounds = rrb.VisualBounds2D(x_range=(left - margin, right + margin), y_range=(-top - margin, -bottom + margin))
+    world = rrb.Spatial2DView(origin="map", name="Map", visual_bounds=bounds, background=(14, 15, 20))
+    everything = rrb.VisibleTimeRange(TIMELINE, start=rrb.TimeRangeBoundary.infinite(),
+                                      end=rrb.TimeRangeBoundary.cursor_relative())
+    plots = [
+        rrb.TimeSeriesView(origin=f"plots/{plot.name}", name=plot.title, time_ranges=[everything],
+                           plot_legend=rrb.PlotLegend("LeftTop"))
+        for plot in (*scene.mission.plots, RADIO)
+    ]
+    lanes = rrb.StateTimelineView(origin="states", name="Robots")
+    events = rrb.TextLogView(origin="events", name="Events")
+    about = rrb.TextDocumentView(origin="info", name="About")
+    side = rrb.Vertical(*plots[:2], lanes, rrb.Tabs(events, *plots[2:], about), row_shares=[3, 3, 4, 3])
+    return rrb.Blueprint(
+        rrb.Horizontal(world, side, column_shares=[11, 9]),
+        rrb.TopPanel(state="collapsed"), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following" if follow else "paused"),
+        auto_views=False, auto_layout=False,
+    )
+
+
+def record(folder: Path, every_s: float | None = None) -> Path:
+    """Make `recording.rrd` of a run folder from its journal and event log, whole or cut off.
+
+    `every_s`: time between snapshots; None: as many as SNAPSHOTS_AT_MOST allows. Raises JournalError.
+    """
+    journal = folder / "journal"
+    header = next(read(journal))
+    scene = Scene(msgspec.toml.decode(header.scenario_toml, type=Scenario))
+    events = list(_events(folder / "events.jsonl"))
+    for event in events:
+        scene.note(event)
+    period = _period_ticks(scene.scenario, events, journal, every_s)
+    target = folder / "recording.rrd"
+    part = target.with_suffix(".rrd.part")
+    batches = rr.ChunkBatcherConfig(flush_tick=60.0)
+    stream = rr.RecordingStream("picket", recording_id=folder.name, batcher_config=batches)
+    stream.save(part, default_blueprint=blueprint(scene, follow=False))
+    picture = Picture(stream, scene)
+    due, shown = 0, -1.0
+    for commit in commits(journal):
+        scene.take(commit.facts)
+        if commit.tick >= due:
+            picture.show(scene.snapshot())
+            due, shown = commit.tick + period, scene.time_s
+    if scene.time_s > shown:
+        picture.show(scene.snapshot())
+    stream.disconnect()
+    return part.replace(target)
+
+
+def _period_ticks(scenario: Scenario, events: list[Event], journal: Path, every_s: float | None) -> int:
+    if every_s is not None:
+        return max(1, scenario.tick_of(every_s))
+    ends = [event.tick for event in events if event.kind == "end"]
+    last_tick = ends[-1] if ends else max((commit.tick for commit in commits(journal)), default=0)
+    return math.ceil((last_tick + 1) / SNAPSHOTS_AT_MOST)
+
+
+def _events(path: Path) -> Iterator[Event]:
+    """The event log of a run; a last line that was cut off is left out."""
+    for line in path.read_text("utf-8").splitlines() if path.exists() else ():
+        try:
+            said = msgspec.json.decode(line)
+        except msgspec.DecodeError:
+            return
+        yield Event(said["tick"], said["kind"], said["node"], said["text"], said["data"])
+
+
+def _view(points_m: np.ndarray) -> np.ndarray:
+    """Points of the field as the 2D view has them, y downwards: float32."""
+    return (points_m * (1, -1)).astype(np.float32)
+
+
+def _description(scene: Scene) -> str:
+    given = scene.scenario
+    rows = {
+        "mission": given.mission,
+        "robots": f"{len(given.robot_ids)}, behaviour `{given.robots.behaviour}`",
+        "base station": f"{given.tower.id} at ({given.tower.x_m:g}, {given.tower.y_m:g}) m",
+        "radio range": "unlimited" if scene.range_m is None else f"{scene.range_m:g} m",
+        "duration": f"{given.duration_s:g} s in ticks of {given.tick_s:g} s",
+        "seed": str(given.seed),
+    }
+    table = "\n".join(f"| {name} | {value} |" for name, value in rows.items())
+    return f"| run | |\n|---|---|\n{table}\n\nLinks: frames delivered in the tick shown. Arrows: to the goal."
