@@ -23,6 +23,7 @@ import rerun.blueprint as rrb
 from deploy.handover import Handover
 from deploy.scene import DEAD, FROZEN, ICE, RED, Plot, Scene, Snapshot
 from wire import channels, codec
+from wire.fields import Grid
 from wire.credentials import Ticket, die_with_parent, receive
 from wire.link import LinkError, open_client
 from wire.messages import Event, Facts, TruthBlock
@@ -31,7 +32,7 @@ from world_server.journal import commits, read
 
 TIMELINE = "sim_time"
 SNAPSHOTS_AT_MOST = 1500
-WHITE, GREY = (240, 240, 245), (120, 124, 140)
+WHITE, GREY, LINK = (240, 240, 245), (120, 124, 140), (120, 230, 255)
 RADIO = Plot("radio", "Radio: frames delivered per tick", (("delivered", (110, 200, 220)),))
 
 
@@ -43,6 +44,8 @@ class Picture:
         self._nodes = scene.nodes
         self._tower = scene.nodes.index(scene.scenario.tower.id)
         self._robots = [row for row in range(len(scene.nodes)) if row != self._tower]
+        self._bounds_m = scene.mission.bounds_m
+        self._radius_m = (self._bounds_m[2] - self._bounds_m[0]) / 85
         self._colours = {"base station": WHITE, FROZEN: ICE, DEAD: RED} | scene.mission.states
         self._hottest_s = getattr(scene.mission, "hottest_s", None)
         self._log_fixed(scene)
@@ -51,7 +54,7 @@ class Picture:
         """Log a snapshot: its state as one row per entity, and what happened before it at its own times."""
         stream = self._stream
         for change in snapshot.changes:
-            if change.node != self._nodes[self._tower] or change.state in (DEAD, FROZEN):
+            if change.state != "base station":  # a lane that says nothing, unless the tower is struck
                 stream.set_time(TIMELINE, duration=change.time_s)
                 stream.log(f"states/{change.node}", rr.StateChange(state=change.state))
         for line in snapshot.lines:
@@ -65,11 +68,9 @@ class Picture:
     def _log_map(self, snapshot: Snapshot) -> None:
         stream, robots = self._stream, self._robots
         points = _view(snapshot.positions_m)
-        colours = [self._colours[state] for state in snapshot.states]
         stream.log("map/robots", rr.Points2D.from_fields(
-            positions=points[robots], colors=[colours[row] for row in robots]))
-        stream.log("map/base", rr.Points2D.from_fields(
-            positions=points[[self._tower]], colors=[colours[self._tower]]))
+            positions=points[robots], colors=[self._colours[snapshot.states[row]] for row in robots]))
+        stream.log("map/names", rr.Points2D.from_fields(positions=points[robots] + (0, 0.7 * self._radius_m)))
         if len(snapshot.links):
             stream.log("map/links", rr.LineStrips2D.from_fields(strips=points[snapshot.links]))
         else:
@@ -90,49 +91,72 @@ class Picture:
         def fixed(entity: str, what: Any) -> None:
             self._stream.log(entity, what, static=True)
 
-        left, bottom, right, top = scene.mission.bounds_m
         names = [scene.nodes[row] for row in self._robots]
-        fixed("map/robots", rr.Points2D.from_fields(radii=[(right - left) / 75], labels=names, draw_order=40))
-        fixed("map/base", rr.Points2D.from_fields(
-            radii=[(right - left) / 55], labels=[f"base {scene.scenario.tower.id}"], draw_order=35))
-        fixed("map/links", rr.LineStrips2D.from_fields(radii=[-1.5], colors=[(120, 230, 255)], draw_order=20))
-        fixed("map/goals", rr.Arrows2D.from_fields(radii=[-1.0], colors=[(255, 255, 255)], draw_order=10))
-        if self._hottest_s is not None:
-            cell_m = scene.scenario.field.cell_m
-            fixed("map/idleness", rr.Transform3D(translation=(left, -top, 0), scale=cell_m))
+        fixed("map/robots", rr.Points2D.from_fields(radii=[self._radius_m], draw_order=40))
+        fixed("map/names", rr.Points2D.from_fields(
+            radii=[0.01], colors=[WHITE], labels=names, show_labels=True, draw_order=50))
+        fixed("map/links", rr.LineStrips2D.from_fields(radii=[-1.5], colors=[LINK], draw_order=20))
+        fixed("map/goals", rr.Arrows2D.from_fields(radii=[-1.5], colors=[WHITE], draw_order=30))
+        tower = [(scene.scenario.tower.x_m, -scene.scenario.tower.y_m)]
+        fixed("map/base", rr.Boxes2D(
+            centers=tower, half_sizes=[(self._radius_m, self._radius_m)], radii=[-2.0], colors=[WHITE],
+            labels=[f"base {scene.scenario.tower.id}"], show_labels=True, draw_order=35))
+        if scene.range_m is not None:
+            fixed("map/reach", rr.Ellipses2D(
+                centers=tower, half_sizes=[(scene.range_m, scene.range_m)], line_radii=[-0.7], colors=[GREY]))
+        self._log_grid(scene.scenario.field, fixed)
         for plot in (*scene.mission.plots, RADIO):
-            names, colours = zip(*plot.series, strict=True)
-            fixed(f"plots/{plot.name}", rr.SeriesLines(names=names, colors=colours, widths=[1.5] * len(names)))
-        states = list(self._colours)
-        style = rr.StateConfiguration(values=states, labels=states, colors=[self._colours[one] for one in states])
+            series, colours = zip(*plot.series, strict=True)
+            fixed(f"plots/{plot.name}", rr.SeriesLines(names=series, colors=colours, widths=[1.5] * len(series)))
+        states, colours = zip(*self._colours.items(), strict=True)
         for node in scene.nodes:
-            fixed(f"states/{node}", style)
-        fixed("info", rr.TextDocument(_description(scene), media_type="text/markdown"))
+            fixed(f"states/{node}", rr.StateConfiguration(values=states, labels=states, colors=colours))
+        fixed("about", rr.TextDocument(_description(scene), media_type="text/markdown"))
+
+    def _log_grid(self, field: Any, fixed: Callable[[str, Any], None]) -> None:
+        """The lines between cells, and where the heat map's pixels lie: one pixel is one cell."""
+        if not isinstance(field, Grid):
+            return
+        left, bottom, right, top = self._bounds_m
+        x_m, y_m = np.linspace(left, right, field.columns + 1), np.linspace(bottom, top, field.rows + 1)
+        lines = [((x, -bottom), (x, -top)) for x in x_m] + [((left, -y), (right, -y)) for y in y_m]
+        fixed("map/grid", rr.LineStrips2D(lines, radii=[-0.4], colors=[(30, 30, 38)], draw_order=5))
+        fixed("map/idleness", rr.Transform3D(translation=(left, -top, 0), scale=field.cell_m))
 
 
 def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
-    """The layout: the map at the left, curves, lanes of states and the event log at the right."""
+    """The layout: the map at the left; curves, lanes of states and the event log at the right."""
     left, bottom, right, top = scene.mission.bounds_m
     margin = 0.04 * max(right - left, top - bottom)
     bounds = rrb.VisualBounds2D(x_range=(left - margin, right + margin), y_range=(-top - margin, -bottom + margin))
     world = rrb.Spatial2DView(origin="map", name="Map", visual_bounds=bounds, background=(14, 15, 20))
-    everything = rrb.VisibleTimeRange(TIMELINE, start=rrb.TimeRangeBoundary.infinite(),
-                                      end=rrb.TimeRangeBoundary.cursor_relative())
+    all_time = rrb.VisibleTimeRange(TIMELINE, start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
+    axis = rrb.TimeAxis(view_range=_window(scene.scenario, follow))
     plots = [
-        rrb.TimeSeriesView(origin=f"plots/{plot.name}", name=plot.title, time_ranges=[everything],
+        rrb.TimeSeriesView(origin=f"plots/{plot.name}", name=plot.title, time_ranges=[all_time], axis_x=axis,
                            plot_legend=rrb.PlotLegend("LeftTop"))
         for plot in (*scene.mission.plots, RADIO)
     ]
-    lanes = rrb.StateTimelineView(origin="states", name="Robots")
-    events = rrb.TextLogView(origin="events", name="Events")
-    about = rrb.TextDocumentView(origin="info", name="About")
-    side = rrb.Vertical(*plots[:2], lanes, rrb.Tabs(events, *plots[2:], about), row_shares=[3, 3, 4, 3])
+    lanes = rrb.StateTimelineView(origin="states", name="Robots", time_ranges=[all_time], time_view=axis)
+    events = rrb.TextLogView(origin="events", name="Events", columns=rrb.TextLogColumns(text_log_columns=["LogLevel", "Body"]))
+    about = rrb.TextDocumentView(origin="about", name="About")
+    side = rrb.Vertical(*plots[:2], lanes, rrb.Tabs(events, *plots[2:], about), row_shares=[14, 14, 40, 17])
     return rrb.Blueprint(
         rrb.Horizontal(world, side, column_shares=[11, 9]),
-        rrb.TopPanel(state="collapsed"), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"),
+        rrb.TopPanel(state="hidden"), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"),
         rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following" if follow else "paused"),
         auto_views=False, auto_layout=False,
     )
+
+
+def _window(scenario: Scenario, follow: bool) -> rr.TimeRange:
+    """What curves and lanes show: the whole run, or the last twenty minutes of a run that is slow to watch."""
+    if follow and scenario.clock.kind == "paced":
+        span_s = min(scenario.duration_s, 1200 * scenario.clock.rate)
+        return rr.TimeRange(rr.TimeRangeBoundary.cursor_relative(seconds=-span_s),
+                            rr.TimeRangeBoundary.cursor_relative(seconds=span_s / 20))
+    return rr.TimeRange(rr.TimeRangeBoundary.absolute(seconds=0.0),
+                        rr.TimeRangeBoundary.absolute(seconds=scenario.duration_s))
 
 
 def record(folder: Path, every_s: float | None = None) -> Path:

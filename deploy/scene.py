@@ -9,15 +9,13 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from deploy.metrics.area import AreaMetrics
-from swarm_agent.behaviours.lr_pt import Intent
-from wire import codec
 from wire.fields import Grid
 from wire.messages import Event, Facts
 from wire.scenario import Range, Scenario
 
 DEAD, FROZEN = "dead", "frozen"
 CONTACT_S = 30.0
-GREEN, BLUE, ICE, RED = (64, 214, 150), (64, 156, 255), (190, 235, 255), (255, 70, 70)
+GREEN, BLUE, ICE, RED = (64, 214, 150), (80, 170, 255), (190, 235, 255), (255, 70, 70)
 
 
 class Plot(NamedTuple):
@@ -80,9 +78,6 @@ class Mission(Protocol):
     def doing(self, row: int) -> str:
         """What the living robot in `row` does, one of `states`."""
 
-    def goals_m(self, facts: Facts) -> np.ndarray:
-        """Where nodes are heading: (nodes, 2), NaN for nowhere."""
-
     def heat_s(self) -> np.ndarray | None:
         """The heat map as in Snapshot."""
 
@@ -97,7 +92,7 @@ class AreaMission:
         Plot("idleness", "Idleness in s: true, by cell", (("mean", GREEN), ("worst", (255, 170, 60)))),
         Plot("sa_delay", "SA delay in s: how old the base's knowledge is", (("mean", BLUE), ("worst", (214, 110, 255)))),
     )
-    states = {"patrol": BLUE, "base contact": GREEN}
+    states = {"patrol": BLUE, "contact": GREEN}
 
     def __init__(self, scenario: Scenario) -> None:
         self._metrics = AreaMetrics(scenario)
@@ -112,7 +107,7 @@ class AreaMission:
         low, high = self._sites_m.min(axis=0) - margin_m, self._sites_m.max(axis=0) + margin_m
         self.bounds_m = (*low.tolist(), *high.tolist())
         travel_s = len(self._sites_m) * scenario.field.cell_m / scenario.robots.max_speed_m_s
-        self.hottest_s = 2 * travel_s / len(scenario.robot_ids)
+        self.hottest_s = 3 * travel_s / len(scenario.robot_ids)
 
     def take(self, facts: Facts, links: np.ndarray) -> None:
         """Fold one tick."""
@@ -122,19 +117,10 @@ class AreaMission:
             self._contact_tick[sender] = facts.tick
 
     def doing(self, row: int) -> str:
-        """Base contact: the base station has heard the robot within the last CONTACT_S."""
+        """Contact: the base station has heard the robot within the last CONTACT_S."""
         heard = self._contact_tick.get(row)
         recent = heard is not None and (self._tick - heard) * self._tick_s <= CONTACT_S
-        return "base contact" if recent else "patrol"
-
-    def goals_m(self, facts: Facts) -> np.ndarray:
-        """The far goal where a robot reports one, else the point it is driving to."""
-        goals_m = np.frombuffer(facts.goals, "<f8").reshape(-1, 2).copy()
-        for node, report in facts.reports:
-            goal = _far_goal(report)
-            if 0 <= goal < len(self._sites_m) and self._row_of[node] != self._tower:
-                goals_m[self._row_of[node]] = self._sites_m[goal]
-        return goals_m
+        return "contact" if recent else "patrol"
 
     def heat_s(self) -> np.ndarray | None:
         """Idleness of every cell of a grid; None for fields of another shape."""
@@ -193,7 +179,8 @@ class Scene:
 
     def note(self, event: Event) -> None:
         """Take in an event."""
-        self._lines.append(Line(event.tick * self.scenario.tick_s, _level(event), event.text))
+        text = f"end of the run: {event.text}" if event.kind == "end" else event.text
+        self._lines.append(Line(event.tick * self.scenario.tick_s, _level(event), text))
 
     def warn(self, text: str) -> None:
         """Say something of our own in the event log."""
@@ -203,7 +190,7 @@ class Scene:
         """The scene as it is now. There must have been facts."""
         facts = self._facts
         assert facts is not None, "a snapshot of nothing"
-        goals_m = self.mission.goals_m(facts)
+        goals_m = np.frombuffer(facts.goals, "<f8").reshape(-1, 2).copy()
         goals_m[np.frombuffer(facts.modes, "u1") > 0] = np.nan
         curves = self.mission.curves() | {"radio": (self._delivered / max(1, self._ticks),)}
         snapshot = Snapshot(
@@ -223,14 +210,6 @@ class Scene:
 
     def _doing(self, row: int) -> str:
         return "base station" if row == self._tower else self.mission.doing(row)
-
-
-def _far_goal(report: bytes) -> int:
-    """The far goal in an LR-PT robot's report; -1 in anybody else's."""
-    try:
-        return codec.decode(Intent, report).goal
-    except codec.Malformed:
-        return -1
 
 
 def _level(event: Event) -> str:
