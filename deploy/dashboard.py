@@ -9,10 +9,8 @@ import argparse
 import math
 import os
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from queue import Empty, SimpleQueue
 from typing import Any
 
 import msgspec
@@ -20,18 +18,20 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from deploy.handover import Handover
+from deploy.following import Follower, Handover, Sink, read_events
 from deploy.scene import DEAD, FROZEN, ICE, RED, Plot, Scene, Snapshot
-from wire import channels, codec
-from wire.fields import Grid
+from deploy.viewer import ViewerError, choose_mode, launch
+from wire import channels
 from wire.credentials import Ticket, die_with_parent, receive
+from wire.fields import Grid
 from wire.link import LinkError, open_client
-from wire.messages import Event, Facts, TruthBlock
+from wire.messages import Event, TruthBlock
 from wire.scenario import Scenario
-from world_server.journal import commits, read
+from world_server.journal import JournalError, commits, read
 
 TIMELINE = "sim_time"
 SNAPSHOTS_AT_MOST = 1500
+FLUSH_WITHIN_S = 5.0
 WHITE, GREY, LINK = (240, 240, 245), (120, 124, 140), (120, 230, 255)
 RADIO = Plot("radio", "Radio: frames delivered per tick", (("delivered", (110, 200, 220)),))
 
@@ -124,6 +124,35 @@ class Picture:
         fixed("map/idleness", rr.Transform3D(translation=(left, -top, 0), scale=field.cell_m))
 
 
+class FileSink(Picture):
+    """A recording on disk, in large chunks: with one chunk for each row it would be eight times larger."""
+
+    def __init__(self, path: Path, run: str, scene: Scene) -> None:
+        batches = rr.ChunkBatcherConfig(flush_tick=60.0)
+        stream = rr.RecordingStream("picket", recording_id=run, batcher_config=batches)
+        stream.save(path, default_blueprint=blueprint(scene, follow=False))
+        super().__init__(stream, scene)
+
+    def close(self) -> None:
+        """Write the rest and the footer."""
+        self._stream.disconnect()
+
+
+class LiveSink(Picture):
+    """A viewer that listens at `url`."""
+
+    def __init__(self, url: str, run: str, scene: Scene) -> None:
+        batches = rr.ChunkBatcherConfig(flush_tick=0.1)
+        stream = rr.RecordingStream("picket", recording_id=run, batcher_config=batches)
+        stream.connect_grpc(url, default_blueprint=blueprint(scene, follow=True))
+        super().__init__(stream, scene)
+
+    def close(self) -> None:
+        """Send the rest. The viewer keeps what it has."""
+        self._stream.flush()
+        self._stream.disconnect()
+
+
 def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
     """The layout: the map at the left; curves, lanes of states and the event log at the right."""
     left, bottom, right, top = scene.mission.bounds_m
@@ -140,7 +169,7 @@ def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
     lanes = rrb.StateTimelineView(origin="states", name="Robots", time_ranges=[all_time], time_view=axis)
     events = rrb.TextLogView(origin="events", name="Events", columns=rrb.TextLogColumns(text_log_columns=["LogLevel", "Body"]))
     about = rrb.TextDocumentView(origin="about", name="About")
-    side = rrb.Vertical(*plots[:2], lanes, rrb.Tabs(events, *plots[2:], about), row_shares=[14, 14, 40, 17])
+    side = rrb.Vertical(*plots[:2], lanes, rrb.Tabs(events, *plots[2:], about), row_shares=[12, 12, 43, 18])
     return rrb.Blueprint(
         rrb.Horizontal(world, side, column_shares=[11, 9]),
         rrb.TopPanel(state="hidden"), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"),
@@ -165,28 +194,26 @@ def record(folder: Path, every_s: float | None = None) -> Path:
     `every_s`: time between snapshots; None: as many as SNAPSHOTS_AT_MOST allows. Raises JournalError.
     """
     journal = folder / "journal"
-    header = next(read(journal))
+    header = next(read(journal), None)
+    if header is None:
+        raise JournalError(f"{journal}: empty; the run was killed before its first tick")
     scene = Scene(msgspec.toml.decode(header.scenario_toml, type=Scenario))
-    events = list(_events(folder / "events.jsonl"))
+    events = read_events(folder / "events.jsonl")
     for event in events:
         scene.note(event)
     period = _period_ticks(scene.scenario, events, journal, every_s)
-    target = folder / "recording.rrd"
-    part = target.with_suffix(".rrd.part")
-    batches = rr.ChunkBatcherConfig(flush_tick=60.0)
-    stream = rr.RecordingStream("picket", recording_id=folder.name, batcher_config=batches)
-    stream.save(part, default_blueprint=blueprint(scene, follow=False))
-    picture = Picture(stream, scene)
-    due, shown = 0, -1.0
+    part = folder / "recording.rrd.part"
+    sink = FileSink(part, folder.name, scene)
+    due, shown_s = 0, -1.0
     for commit in commits(journal):
         scene.take(commit.facts)
         if commit.tick >= due:
-            picture.show(scene.snapshot())
-            due, shown = commit.tick + period, scene.time_s
-    if scene.time_s > shown:
-        picture.show(scene.snapshot())
-    stream.disconnect()
-    return part.replace(target)
+            sink.show(scene.snapshot())
+            due, shown_s = commit.tick + period, scene.time_s
+    if scene.time_s > shown_s:
+        sink.show(scene.snapshot())
+    sink.close()
+    return part.replace(folder / "recording.rrd")
 
 
 def _period_ticks(scenario: Scenario, events: list[Event], journal: Path, every_s: float | None) -> int:
@@ -195,16 +222,6 @@ def _period_ticks(scenario: Scenario, events: list[Event], journal: Path, every_
     ends = [event.tick for event in events if event.kind == "end"]
     last_tick = ends[-1] if ends else max((commit.tick for commit in commits(journal)), default=0)
     return math.ceil((last_tick + 1) / SNAPSHOTS_AT_MOST)
-
-
-def _events(path: Path) -> Iterator[Event]:
-    """The event log of a run; a last line that was cut off is left out."""
-    for line in path.read_text("utf-8").splitlines() if path.exists() else ():
-        try:
-            said = msgspec.json.decode(line)
-        except msgspec.DecodeError:
-            return
-        yield Event(said["tick"], said["kind"], said["node"], said["text"], said["data"])
 
 
 def _view(points_m: np.ndarray) -> np.ndarray:
@@ -224,3 +241,52 @@ def _description(scene: Scene) -> str:
     }
     table = "\n".join(f"| {name} | {value} |" for name, value in rows.items())
     return f"| run | |\n|---|---|\n{table}\n\nLinks: frames delivered in the tick shown. Arrows: to the goal."
+
+
+def main() -> int:
+    """The live dashboard of one run, started by the launcher."""
+    parser = argparse.ArgumentParser(description="The live dashboard of one run; started by the launcher.")
+    parser.add_argument("--folder", type=Path, required=True)
+    parser.add_argument("--ticket-fd", type=int, required=True)
+    parser.add_argument("--parent-pid", type=int, required=True)
+    parser.add_argument("--mode", choices=("auto", "native", "web", "file"), default="auto")
+    parser.add_argument("--say-fd", type=int)
+    parser.add_argument("--linger", action="store_true", help="stay after the end until the viewer is closed")
+    given = parser.parse_args()
+    die_with_parent(given.parent_pid)
+    ticket = receive(given.ticket_fd, Ticket)
+    scene = Scene(msgspec.toml.decode((given.folder / "scenario.toml").read_text("utf-8"), type=Scenario))
+    mode = choose_mode(given.mode)
+    viewer = None if mode == "file" else launch(mode, given.folder / "viewer.log")
+
+    def make() -> Sink:
+        if viewer is None:
+            sink, address = FileSink(given.folder / "live.rrd", ticket.run, scene), "live.rrd"
+        else:
+            viewer.wait_until_open()
+            sink, address = LiveSink(viewer.url, ticket.run, scene), viewer.address
+        if given.say_fd is not None:
+            os.write(given.say_fd, f"{address}\n".encode())
+        return sink
+
+    handover = Handover(make)
+    follower = Follower(scene, handover.put, given.folder / "events.jsonl")
+    link = open_client(ticket)
+    link.subscribe(channels.key(ticket.run, channels.TRUTH), lambda _, data: follower.enqueue(TruthBlock, data))
+    link.subscribe(channels.key(ticket.run, channels.EVENT), lambda _, data: follower.enqueue(Event, data))
+    follower.follow(lambda: viewer is None or viewer.process.poll() is None)
+    flushed = handover.finish(FLUSH_WITHIN_S)
+    if given.linger and viewer is not None:
+        viewer.process.wait()
+    return 0 if flushed else 4
+
+
+if __name__ == "__main__":
+    try:
+        status = main()
+    except KeyboardInterrupt:
+        status = 0
+    except (LinkError, ViewerError) as error:
+        print(error, file=sys.stderr, flush=True)
+        status = 3
+    os._exit(status)  # a sink that hangs, or Zenoh's threads, must not keep us here
