@@ -274,8 +274,10 @@ def main() -> int:
     link = open_client(ticket)
     link.subscribe(channels.key(ticket.run, channels.TRUTH), lambda _, data: follower.enqueue(TruthBlock, data))
     link.subscribe(channels.key(ticket.run, channels.EVENT), lambda _, data: follower.enqueue(Event, data))
-    follower.follow(lambda: viewer is None or viewer.process.poll() is None)
+    follower.follow(lambda: not handover.trouble and (viewer is None or viewer.process.poll() is None))
     flushed = handover.finish(FLUSH_WITHIN_S)
+    if handover.trouble:
+        raise ViewerError(handover.trouble)
     if given.linger and viewer is not None:
         viewer.process.wait()
     return 0 if flushed else 4

@@ -38,6 +38,8 @@ class Handover:
     """
 
     def __init__(self, make: Callable[[], Sink]) -> None:
+        self.trouble = ""
+        """Why the sink can show nothing more; empty as long as it can."""
         self._make = make
         self._changed = threading.Condition()
         self._waiting: Snapshot | None = None
@@ -63,7 +65,12 @@ class Handover:
         return not self._thread.is_alive()
 
     def _serve(self) -> None:
-        sink = self._make()
+        try:
+            self._feed(self._make())
+        except Exception as error:  # noqa: BLE001  whatever the sink's trouble is, the run goes on
+            self.trouble = str(error) or type(error).__name__
+
+    def _feed(self, sink: Sink) -> None:
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._waiting is not None or self._finishing)

@@ -4,7 +4,7 @@ Positions are metres in the field's frame: origin at the bottom left, y upwards.
 simulated time. What only one mission has (its curves, heat map, words for what robots do) is in one class.
 """
 
-from typing import NamedTuple, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -92,7 +92,7 @@ class AreaMission:
         Plot("idleness", "Idleness in s: true, by cell", (("mean", GREEN), ("worst", (255, 170, 60)))),
         Plot("sa_delay", "SA delay in s: how old the base's knowledge is", (("mean", BLUE), ("worst", (214, 110, 255)))),
     )
-    states = {"patrol": BLUE, "contact": GREEN}
+    states: ClassVar = {"patrol": BLUE, "contact": GREEN}
 
     def __init__(self, scenario: Scenario) -> None:
         self._metrics = AreaMetrics(scenario)

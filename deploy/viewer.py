@@ -98,7 +98,7 @@ def _answers(port: int) -> bool:
         return probe.connect_ex((LOOPBACK, port)) == 0
 
 
-import subprocess  # noqa: E402  the only use of it here
+import subprocess  # last, because it is to move to where processes are started
 
 
 def start_viewer(command: list[str], log: Path, environment: dict[str, str]) -> "subprocess.Popen[bytes]":
