@@ -269,9 +269,9 @@ def main() -> int:
             os.write(given.say_fd, f"{address}\n".encode())
         return sink
 
-    handover = Handover(make)
-    follower = Follower(scene, handover.put, given.folder / "events.jsonl")
     link = open_client(ticket)
+    handover = Handover(make)
+    follower = Follower(scene, handover.put, given.folder)
     link.subscribe(channels.key(ticket.run, channels.TRUTH), lambda _, data: follower.enqueue(TruthBlock, data))
     link.subscribe(channels.key(ticket.run, channels.EVENT), lambda _, data: follower.enqueue(Event, data))
     follower.follow(lambda: not handover.trouble and (viewer is None or viewer.process.poll() is None))

@@ -6,6 +6,7 @@ No Rerun here and no Zenoh: messages come in as bytes, snapshots go out to a sin
 import threading
 import time
 from collections.abc import Callable
+from itertools import takewhile
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any, Protocol
@@ -15,6 +16,7 @@ import msgspec
 from deploy.scene import Scene, Snapshot
 from wire import codec
 from wire.messages import Event, TruthBlock
+from world_server.journal import JournalError, commits
 
 LINES_AT_MOST = 10_000  # a sink that hangs for ever must not fill the memory
 SHOW_EVERY_S = 0.25
@@ -83,10 +85,11 @@ class Handover:
 class Follower:
     """Folds every block and event of a live run, and hands snapshots over a few times a second."""
 
-    def __init__(self, scene: Scene, put: Callable[[Snapshot], None], events: Path) -> None:
+    def __init__(self, scene: Scene, put: Callable[[Snapshot], None], folder: Path) -> None:
         self._scene = scene
         self._put = put
-        self._events = events
+        self._folder = folder
+        self._told: set[tuple[int, str]] = set()
         self._queue: SimpleQueue[tuple[type, bytes]] = SimpleQueue()
         self._next_block = 0
         self._end_tick: int | None = None
@@ -113,12 +116,13 @@ class Follower:
         try:
             message = codec.decode(kind, data)
             self._block(message) if isinstance(message, TruthBlock) else self._event(message)
-        except codec.Malformed as error:
+        except (codec.Malformed, JournalError) as error:
             self._scene.warn(f"the dashboard cannot read a {kind.__name__}: {error}")
 
     def _block(self, block: TruthBlock) -> None:
-        missed, self._next_block = block.number - self._next_block, block.number + 1
-        if missed > 0:  # fewer than none: a world that was started again counts from 0
+        missed, late = block.number - self._next_block, self._scene.time_s < 0
+        self._next_block = block.number + 1
+        if missed > 0 and not (late and self._catch_up(block.facts[0].tick)):
             first_s = block.facts[0].tick * self._scene.scenario.tick_s
             self._scene.warn(f"the dashboard missed {missed} blocks of facts before {first_s:g} s; "
                              "until their next visit, sites visited then look older than they are")
@@ -126,8 +130,21 @@ class Follower:
             self._scene.take(facts)
         self._fresh = self._scene.time_s >= 0
 
+    def _catch_up(self, before_tick: int) -> bool:
+        """Who joins late reads what was before in the run folder. False if it is not there."""
+        journal = self._folder / "journal"
+        if not journal.exists():
+            return False
+        for commit in takewhile(lambda commit: commit.tick < before_tick, commits(journal)):
+            self._scene.take(commit.facts)
+        for event in read_events(self._folder / "events.jsonl"):
+            if event.tick < before_tick and (event.tick, event.text) not in self._told:
+                self._event(event)
+        return True
+
     def _event(self, event: Event) -> None:
         self._scene.note(event)
+        self._told.add((event.tick, event.text))
         self._fresh = self._scene.time_s >= 0
         if event.kind == "end":
             self._end_tick = event.tick
@@ -144,7 +161,7 @@ class Follower:
 
     def _event_log_ended(self) -> None:
         """The end may be lost on its way to us (we are droppable), but not in the run folder."""
-        for event in read_events(self._events)[-1:]:
+        for event in read_events(self._folder / "events.jsonl")[-1:]:
             if event.kind == "end":
                 self._event(event)
 
