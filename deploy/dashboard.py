@@ -275,12 +275,12 @@ def main() -> int:
     link.subscribe(channels.key(ticket.run, channels.TRUTH), lambda _, data: follower.enqueue(TruthBlock, data))
     link.subscribe(channels.key(ticket.run, channels.EVENT), lambda _, data: follower.enqueue(Event, data))
     follower.follow(lambda: not handover.trouble and (viewer is None or viewer.process.poll() is None))
+    if viewer is not None and viewer.process.poll() is not None:
+        return viewer.explain_end()
     flushed = handover.finish(FLUSH_WITHIN_S)
-    if handover.trouble:
-        raise ViewerError(handover.trouble)
-    if given.linger and viewer is not None:
-        viewer.process.wait()
-    return 0 if flushed else 4
+    if handover.trouble or not flushed:
+        raise ViewerError(handover.trouble or f"the viewer did not take the last picture within {FLUSH_WITHIN_S} s")
+    return viewer.process.wait() if given.linger and viewer is not None else 0
 
 
 if __name__ == "__main__":

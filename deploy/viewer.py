@@ -43,6 +43,13 @@ class Viewer(NamedTuple):
                     raise ViewerError(f"the viewer did not start; {self.log} says why")
                 time.sleep(0.05)
 
+    def explain_end(self) -> int:
+        """0 when a person closed it. Raises ViewerError when it ended otherwise."""
+        status = self.process.wait()
+        if status != 0:
+            raise ViewerError(f"the viewer ended with status {status}; {self.log} says why")
+        return 0
+
 
 def choose_mode(wanted: str) -> Mode:
     """`auto` is native where there is a display, else web; any other mode is what it is."""

@@ -164,7 +164,8 @@ def test_a_live_dashboard_shows_what_the_world_says(live: Live) -> None:
 
 
 def test_a_frozen_dashboard_stops_neither_the_world_nor_its_own_end(live: Live) -> None:
-    """More than all socket buffers hold is put while it stands still; it then says what it missed."""
+    """More than all buffers hold is put while it stands still. A put that blocks does so for 5 s at least:
+    then Zenoh gives the peer up."""
     assert live.said.readline() == "live.rrd\n"
     live.put(live.droppable, 0, live.run.facts[:1])
     os.kill(live.process.pid, signal.SIGSTOP)
@@ -173,12 +174,12 @@ def test_a_frozen_dashboard_stops_neither_the_world_nor_its_own_end(live: Live) 
     def put_much() -> None:
         heavy = live.run.facts[1]
         heavy = msgspec.structs.replace(heavy, reports=(("r2", bytes(1_000_000)),))
-        for number in range(1, 200):
+        for number in range(1, 40):
             live.put(live.droppable, number, [heavy])
         done.set()
 
     threading.Thread(target=put_much, daemon=True).start()
-    assert done.wait(60), "the world was blocked by a frozen listener"
+    assert done.wait(4), "the world was blocked by a frozen listener"
     os.kill(live.process.pid, signal.SIGCONT)
     live.end(LAST_TICK)
     assert live.process.wait(60) == 0
