@@ -19,7 +19,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from deploy.following import Follower, Handover, Sink, read_events
-from deploy.scene import DEAD, FROZEN, ICE, RED, Plot, Scene, Snapshot
+from deploy.scene import BASE, DEAD, FROZEN, ICE, RED, Plot, Scene, Snapshot, describe
 from deploy.viewer import ViewerError, choose_mode, launch
 from wire import channels
 from wire.credentials import Ticket, die_with_parent, receive
@@ -32,6 +32,7 @@ from world_server.journal import JournalError, commits, read
 TIMELINE = "sim_time"
 SNAPSHOTS_AT_MOST = 1500
 FLUSH_WITHIN_S = 5.0
+REPLAY_S = 120.0
 WHITE, GREY, LINK = (240, 240, 245), (120, 124, 140), (120, 230, 255)
 RADIO = Plot("radio", "Radio: frames delivered per tick", (("delivered", (110, 200, 220)),))
 
@@ -46,15 +47,15 @@ class Picture:
         self._robots = [row for row in range(len(scene.nodes)) if row != self._tower]
         self._bounds_m = scene.mission.bounds_m
         self._radius_m = (self._bounds_m[2] - self._bounds_m[0]) / 85
-        self._colours = {"base station": WHITE, FROZEN: ICE, DEAD: RED} | scene.mission.states
-        self._hottest_s = getattr(scene.mission, "hottest_s", None)
+        self._colours = {BASE: WHITE, FROZEN: ICE, DEAD: RED} | scene.mission.states
+        self._hottest_s = scene.mission.hottest_s
         self._log_fixed(scene)
 
     def show(self, snapshot: Snapshot) -> None:
         """Log a snapshot: its state as one row per entity, and what happened before it at its own times."""
         stream = self._stream
         for change in snapshot.changes:
-            if change.state != "base station":  # a lane that says nothing, unless the tower is struck
+            if change.state != BASE or change.time_s > 0:  # no lane for the tower, unless it is struck
                 stream.set_time(TIMELINE, duration=change.time_s)
                 stream.log(f"states/{change.node}", rr.StateChange(state=change.state))
         for line in snapshot.lines:
@@ -82,9 +83,7 @@ class Picture:
         else:
             stream.log("map/goals", rr.Clear(recursive=False))
         if snapshot.heat_s is not None:
-            stream.log("map/idleness", rr.DepthImage(
-                snapshot.heat_s[::-1], meter=1.0, colormap="inferno", depth_range=(0, self._hottest_s),
-                magnification_filter="nearest", draw_order=0))
+            stream.log("map/idleness", rr.DepthImage.from_fields(buffer=snapshot.heat_s[::-1].tobytes()))
 
     def _log_fixed(self, scene: Scene) -> None:
         """What does not change: styles, the grid, names, the description of the run."""
@@ -111,7 +110,7 @@ class Picture:
         states, colours = zip(*self._colours.items(), strict=True)
         for node in scene.nodes:
             fixed(f"states/{node}", rr.StateConfiguration(values=states, labels=states, colors=colours))
-        fixed("about", rr.TextDocument(_description(scene), media_type="text/markdown"))
+        fixed("about", rr.TextDocument(describe(scene), media_type="text/markdown"))
 
     def _log_grid(self, field: Any, fixed: Callable[[str, Any], None]) -> None:
         """The lines between cells, and where the heat map's pixels lie: one pixel is one cell."""
@@ -122,6 +121,11 @@ class Picture:
         lines = [((x, -bottom), (x, -top)) for x in x_m] + [((left, -y), (right, -y)) for y in y_m]
         fixed("map/grid", rr.LineStrips2D(lines, radii=[-0.4], colors=[(30, 30, 38)], draw_order=5))
         fixed("map/idleness", rr.Transform3D(translation=(left, -top, 0), scale=field.cell_m))
+        pixels = rr.components.ImageFormat(
+            width=field.columns, height=field.rows, channel_datatype=rr.ChannelDatatype.F32)
+        fixed("map/idleness", rr.DepthImage.from_fields(
+            format=pixels, meter=1.0, colormap="inferno", depth_range=(0, self._hottest_s),
+            magnification_filter="nearest", draw_order=0))
 
 
 class FileSink(Picture):
@@ -159,7 +163,8 @@ def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
     margin = 0.04 * max(right - left, top - bottom)
     bounds = rrb.VisualBounds2D(x_range=(left - margin, right + margin), y_range=(-top - margin, -bottom + margin))
     world = rrb.Spatial2DView(origin="map", name="Map", visual_bounds=bounds, background=(14, 15, 20))
-    all_time = rrb.VisibleTimeRange(TIMELINE, start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
+    infinite = rr.TimeRangeBoundary.infinite()
+    all_time = rrb.VisibleTimeRange(TIMELINE, start=infinite, end=infinite)
     axis = rrb.TimeAxis(view_range=_window(scene.scenario, follow))
     plots = [
         rrb.TimeSeriesView(origin=f"plots/{plot.name}", name=plot.title, time_ranges=[all_time], axis_x=axis,
@@ -167,13 +172,17 @@ def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
         for plot in (*scene.mission.plots, RADIO)
     ]
     lanes = rrb.StateTimelineView(origin="states", name="Robots", time_ranges=[all_time], time_view=axis)
-    events = rrb.TextLogView(origin="events", name="Events", columns=rrb.TextLogColumns(text_log_columns=["LogLevel", "Body"]))
+    columns = rrb.TextLogColumns(text_log_columns=["LogLevel", "Body"])
+    events = rrb.TextLogView(origin="events", name="Events", columns=columns)
     about = rrb.TextDocumentView(origin="about", name="About")
     side = rrb.Vertical(*plots[:2], lanes, rrb.Tabs(events, *plots[2:], about), row_shares=[12, 12, 43, 18])
+    # A person who opens a recording sees the run pass in REPLAY_S.
+    speed = None if follow else scene.scenario.duration_s / REPLAY_S
+    play = "following" if follow else "playing"
     return rrb.Blueprint(
         rrb.Horizontal(world, side, column_shares=[11, 9]),
         rrb.TopPanel(state="hidden"), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following" if follow else "paused"),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state=play, playback_speed=speed),
         auto_views=False, auto_layout=False,
     )
 
@@ -227,20 +236,6 @@ def _period_ticks(scenario: Scenario, events: list[Event], journal: Path, every_
 def _view(points_m: np.ndarray) -> np.ndarray:
     """Points of the field as the 2D view has them, y downwards: float32."""
     return (points_m * (1, -1)).astype(np.float32)
-
-
-def _description(scene: Scene) -> str:
-    given = scene.scenario
-    rows = {
-        "mission": given.mission,
-        "robots": f"{len(given.robot_ids)}, behaviour `{given.robots.behaviour}`",
-        "base station": f"{given.tower.id} at ({given.tower.x_m:g}, {given.tower.y_m:g}) m",
-        "radio range": "unlimited" if scene.range_m is None else f"{scene.range_m:g} m",
-        "duration": f"{given.duration_s:g} s in ticks of {given.tick_s:g} s",
-        "seed": str(given.seed),
-    }
-    table = "\n".join(f"| {name} | {value} |" for name, value in rows.items())
-    return f"| run | |\n|---|---|\n{table}\n\nLinks: frames delivered in the tick shown. Arrows: to the goal."
 
 
 def main() -> int:

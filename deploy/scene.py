@@ -13,8 +13,9 @@ from wire.fields import Grid
 from wire.messages import Event, Facts
 from wire.scenario import Range, Scenario
 
-DEAD, FROZEN = "dead", "frozen"
+BASE, DEAD, FROZEN = "base station", "dead", "frozen"
 CONTACT_S = 30.0
+ORANGE, VIOLET = (255, 170, 60), (214, 110, 255)
 GREEN, BLUE, ICE, RED = (64, 214, 150), (80, 170, 255), (190, 235, 255), (255, 70, 70)
 
 
@@ -71,6 +72,10 @@ class Mission(Protocol):
     states: dict[str, tuple[int, int, int]]
     bounds_m: tuple[float, float, float, float]
     """Left, bottom, right, top of the field."""
+    hottest_s: float
+    """The value at the end of the heat map's colour scale."""
+    legend: str
+    """One sentence about what is drawn of this mission."""
 
     def take(self, facts: Facts, links: np.ndarray) -> None:
         """Fold one tick."""
@@ -89,8 +94,8 @@ class AreaMission:
     """Idleness of cells, what the base station knows of it, and who is in contact with the base station."""
 
     plots = (
-        Plot("idleness", "Idleness in s: true, by cell", (("mean", GREEN), ("worst", (255, 170, 60)))),
-        Plot("sa_delay", "SA delay in s: how old the base's knowledge is", (("mean", BLUE), ("worst", (214, 110, 255)))),
+        Plot("idleness", "Idleness in s: true, by cell", (("mean", GREEN), ("worst", ORANGE))),
+        Plot("sa_delay", "SA delay in s: how old the base's knowledge is", (("mean", BLUE), ("worst", VIOLET))),
     )
     states: ClassVar = {"patrol": BLUE, "contact": GREEN}
 
@@ -108,6 +113,10 @@ class AreaMission:
         self.bounds_m = (*low.tolist(), *high.tolist())
         travel_s = len(self._sites_m) * scenario.field.cell_m / scenario.robots.max_speed_m_s
         self.hottest_s = 3 * travel_s / len(scenario.robot_ids)
+        self.legend = (
+            f"Heat map: time since the last visit, from black (0 s) to yellow ({self.hottest_s:.0f} s and more). "
+            f"Robots: green when the base station heard them within the last {CONTACT_S:g} s, else blue."
+        )
 
     def take(self, facts: Facts, links: np.ndarray) -> None:
         """Fold one tick."""
@@ -209,7 +218,7 @@ class Scene:
         return snapshot
 
     def _doing(self, row: int) -> str:
-        return "base station" if row == self._tower else self.mission.doing(row)
+        return BASE if row == self._tower else self.mission.doing(row)
 
 
 def _level(event: Event) -> str:
@@ -218,3 +227,19 @@ def _level(event: Event) -> str:
         return "ERROR"
     harmless = event.kind == "end" or event.data.get("verb") in ("restart", "thaw")
     return "INFO" if harmless else "WARN"
+
+
+def describe(scene: Scene) -> str:
+    """What the run is and how to read its picture, as Markdown."""
+    given = scene.scenario
+    rows = {
+        "mission": given.mission,
+        "robots": f"{len(given.robot_ids)}, behaviour `{given.robots.behaviour}`",
+        "base station": f"{given.tower.id} at ({given.tower.x_m:g}, {given.tower.y_m:g}) m",
+        "radio range": "unlimited" if scene.range_m is None else f"{scene.range_m:g} m",
+        "duration": f"{given.duration_s:g} s in ticks of {given.tick_s:g} s",
+        "seed": str(given.seed),
+    }
+    table = "\n".join(f"| {name} | {value} |" for name, value in rows.items())
+    legend = "Links: frames delivered in the tick shown. Arrows: to the goal. Red: dead; pale: frozen."
+    return f"| run | |\n|---|---|\n{table}\n\n{scene.mission.legend}\n\n{legend}"
