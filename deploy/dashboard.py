@@ -71,7 +71,8 @@ class Picture:
         points = _view(snapshot.positions_m)
         stream.log("map/robots", rr.Points2D.from_fields(
             positions=points[robots], colors=[self._colours[snapshot.states[row]] for row in robots]))
-        stream.log("map/names", rr.Points2D.from_fields(positions=points[robots] + (0, 0.7 * self._radius_m)))
+        below = points[robots] + (0, 0.7 * self._radius_m)
+        stream.log("map/names", rr.Points2D.from_fields(positions=below))
         if len(snapshot.links):
             stream.log("map/links", rr.LineStrips2D.from_fields(strips=points[snapshot.links]))
         else:
@@ -101,12 +102,13 @@ class Picture:
             centers=tower, half_sizes=[(self._radius_m, self._radius_m)], radii=[-2.0], colors=[WHITE],
             labels=[f"base {scene.scenario.tower.id}"], show_labels=True, draw_order=35))
         if scene.range_m is not None:
+            radii_m = [(scene.range_m, scene.range_m)]
             fixed("map/reach", rr.Ellipses2D(
-                centers=tower, half_sizes=[(scene.range_m, scene.range_m)], line_radii=[-0.7], colors=[GREY]))
+                centers=tower, half_sizes=radii_m, line_radii=[-0.7], colors=[GREY]))
         self._log_grid(scene.scenario.field, fixed)
         for plot in (*scene.mission.plots, RADIO):
             series, colours = zip(*plot.series, strict=True)
-            fixed(f"plots/{plot.name}", rr.SeriesLines(names=series, colors=colours, widths=[1.5] * len(series)))
+            fixed(f"plots/{plot.name}", rr.SeriesLines(names=series, colors=colours, widths=[1.5]))
         states, colours = zip(*self._colours.items(), strict=True)
         for node in scene.nodes:
             fixed(f"states/{node}", rr.StateConfiguration(values=states, labels=states, colors=colours))
@@ -161,7 +163,8 @@ def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
     """The layout: the map at the left; curves, lanes of states and the event log at the right."""
     left, bottom, right, top = scene.mission.bounds_m
     margin = 0.04 * max(right - left, top - bottom)
-    bounds = rrb.VisualBounds2D(x_range=(left - margin, right + margin), y_range=(-top - margin, -bottom + margin))
+    bounds = rrb.VisualBounds2D(
+        x_range=(left - margin, right + margin), y_range=(-top - margin, margin - bottom))
     world = rrb.Spatial2DView(origin="map", name="Map", visual_bounds=bounds, background=(14, 15, 20))
     infinite = rr.TimeRangeBoundary.infinite()
     all_time = rrb.VisibleTimeRange(TIMELINE, start=infinite, end=infinite)
@@ -181,14 +184,16 @@ def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
     play = "following" if follow else "playing"
     return rrb.Blueprint(
         rrb.Horizontal(world, side, column_shares=[11, 9]),
-        rrb.TopPanel(state="hidden"), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"),
+        rrb.TopPanel(state="hidden"),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
         rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state=play, playback_speed=speed),
         auto_views=False, auto_layout=False,
     )
 
 
 def _window(scenario: Scenario, follow: bool) -> rr.TimeRange:
-    """What curves and lanes show: the whole run, or the last twenty minutes of a run that is slow to watch."""
+    """What curves and lanes show: the whole run, or the last twenty minutes of a paced run."""
     if follow and scenario.clock.kind == "paced":
         span_s = min(scenario.duration_s, 1200 * scenario.clock.rate)
         return rr.TimeRange(rr.TimeRangeBoundary.cursor_relative(seconds=-span_s),
@@ -246,7 +251,7 @@ def main() -> int:
     parser.add_argument("--parent-pid", type=int, required=True)
     parser.add_argument("--mode", choices=("auto", "native", "web", "file"), default="auto")
     parser.add_argument("--say-fd", type=int)
-    parser.add_argument("--linger", action="store_true", help="stay after the end until the viewer is closed")
+    parser.add_argument("--linger", action="store_true", help="stay until the viewer is closed")
     given = parser.parse_args()
     die_with_parent(given.parent_pid)
     ticket = receive(given.ticket_fd, Ticket)
@@ -267,14 +272,15 @@ def main() -> int:
     link = open_client(ticket)
     handover = Handover(make)
     follower = Follower(scene, handover.put, given.folder)
-    link.subscribe(channels.key(ticket.run, channels.TRUTH), lambda _, data: follower.enqueue(TruthBlock, data))
-    link.subscribe(channels.key(ticket.run, channels.EVENT), lambda _, data: follower.enqueue(Event, data))
+    truth, events = channels.key(ticket.run, channels.TRUTH), channels.key(ticket.run, channels.EVENT)
+    link.subscribe(truth, lambda _, data: follower.enqueue(TruthBlock, data))
+    link.subscribe(events, lambda _, data: follower.enqueue(Event, data))
     follower.follow(lambda: not handover.trouble and (viewer is None or viewer.process.poll() is None))
     if viewer is not None and viewer.process.poll() is not None:
         return viewer.explain_end()
     flushed = handover.finish(FLUSH_WITHIN_S)
     if handover.trouble or not flushed:
-        raise ViewerError(handover.trouble or f"the viewer did not take the last picture within {FLUSH_WITHIN_S} s")
+        raise ViewerError(handover.trouble or "the viewer hangs; it did not take the last picture")
     return viewer.process.wait() if given.linger and viewer is not None else 0
 
 

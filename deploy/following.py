@@ -50,11 +50,12 @@ class Handover:
         self._thread.start()
 
     def put(self, snapshot: Snapshot) -> None:
-        """Show `snapshot` when the sink is free. It replaces one that waits, and keeps what happened in it."""
+        """Show `snapshot` when the sink is free. It replaces one that waits, and keeps its happenings."""
         with self._changed:
             if self._waiting is not None:
                 both = snapshot.after(self._waiting)
-                snapshot = both._replace(lines=both.lines[-LINES_AT_MOST:], changes=both.changes[-LINES_AT_MOST:])
+                lines, changes = both.lines[-LINES_AT_MOST:], both.changes[-LINES_AT_MOST:]
+                snapshot = both._replace(lines=lines, changes=changes)
             self._waiting = snapshot
             self._changed.notify()
 

@@ -27,7 +27,8 @@ def save_picture(recording: Path, picture: Path, at_s: float, size: str = "1600x
     Raises ViewerError when there is no driver, or nothing is drawn in time.
     """
     log = recording.parent / "viewer.log"
-    viewer = launch("native", log, "--headless", "--window-size", size, WGPU_BACKEND="vulkan", RERUN_APP_ONLY="true")
+    options = ("--headless", "--window-size", size)
+    viewer = launch("native", log, *options, WGPU_BACKEND="vulkan", RERUN_APP_ONLY="true")
     try:
         viewer.wait_until_open()
         _shoot(viewer, recording, picture, at_s)
@@ -48,7 +49,7 @@ def _shoot(viewer: Viewer, recording: Path, picture: Path, at_s: float) -> None:
         client.save_screenshot(str(picture.resolve()))
         with Image.open(picture) as shot:
             now = shot.convert("RGB")
-        if before is not None and now.tobytes() == before and len(now.getcolors(1 << 24)) > COLOURS_OF_NOTHING:
+        if now.tobytes() == before and len(now.getcolors(1 << 24)) > COLOURS_OF_NOTHING:
             return
         before = now.tobytes()
         time.sleep(0.5)

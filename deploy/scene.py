@@ -1,4 +1,4 @@
-"""What a picture of a run shows, folded from facts and events. Pure: no viewer, no clock, no input or output.
+"""What a picture of a run shows, folded from facts and events. Pure: no viewer, no clock.
 
 Positions are metres in the field's frame: origin at the bottom left, y upwards. Times are seconds of
 simulated time. What only one mission has (its curves, heat map, words for what robots do) is in one class.
@@ -95,7 +95,7 @@ class AreaMission:
 
     plots = (
         Plot("idleness", "Idleness in s: true, by cell", (("mean", GREEN), ("worst", ORANGE))),
-        Plot("sa_delay", "SA delay in s: how old the base's knowledge is", (("mean", BLUE), ("worst", VIOLET))),
+        Plot("sa_delay", "SA delay in s: age of what the base knows", (("mean", BLUE), ("worst", VIOLET))),
     )
     states: ClassVar = {"patrol": BLUE, "contact": GREEN}
 
@@ -114,7 +114,7 @@ class AreaMission:
         travel_s = len(self._sites_m) * scenario.field.cell_m / scenario.robots.max_speed_m_s
         self.hottest_s = 3 * travel_s / len(scenario.robot_ids)
         self.legend = (
-            f"Heat map: time since the last visit, from black (0 s) to yellow ({self.hottest_s:.0f} s and more). "
+            f"Heat map: time since the last visit, black 0 s, yellow {self.hottest_s:.0f} s and more. "
             f"Robots: green when the base station heard them within the last {CONTACT_S:g} s, else blue."
         )
 
@@ -222,7 +222,7 @@ class Scene:
 
 
 def _level(event: Event) -> str:
-    """How bad an event is. A kill is what a run is about, so it only warns; what nobody ordered is an error."""
+    """How bad an event is. A kill somebody ordered warns; what nobody ordered is an error."""
     if event.kind in ("death", "watchdog", "stranger") or event.data.get("confirmed") is False:
         return "ERROR"
     harmless = event.kind == "end" or event.data.get("verb") in ("restart", "thaw")

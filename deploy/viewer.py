@@ -1,4 +1,4 @@
-"""Rerun's viewer as a process of ours: native where there is a display, else in the browser, loopback only."""
+"""Rerun's viewer as a process of ours: native where there is a display, else for a browser."""
 
 import os
 import socket
@@ -76,7 +76,7 @@ def open_recording(path: Path, mode: Mode, say: Callable[[str], None] = print) -
     viewer = launch(mode, path.parent / "viewer.log", str(path))
     try:
         viewer.wait_until_open()
-        say(viewer.address if mode == "web" else f"the viewer shows {path}; close its window or press Ctrl-C")
+        say(viewer.address if mode == "web" else f"the viewer shows {path}; close it, or press Ctrl-C")
         return viewer.process.wait()
     except KeyboardInterrupt:
         return 0
