@@ -55,9 +55,11 @@ class Picture:
         """Log a snapshot: its state as one row per entity, and what happened before it at its own times."""
         stream = self._stream
         for change in snapshot.changes:
+            stream.set_time(TIMELINE, duration=change.time_s)
             if change.state != BASE or change.time_s > 0:  # no lane for the tower, unless it is struck
-                stream.set_time(TIMELINE, duration=change.time_s)
                 stream.log(f"states/{change.node}", rr.StateChange(state=change.state))
+            if change.node == self._nodes[self._tower]:
+                stream.log("map/base", rr.Boxes2D.from_fields(colors=[self._colours[change.state]]))
         for line in snapshot.lines:
             stream.set_time(TIMELINE, duration=line.time_s)
             stream.log("events", rr.TextLog(line.text, level=line.level))
@@ -99,7 +101,7 @@ class Picture:
         fixed("map/goals", rr.Arrows2D.from_fields(radii=[-1.5], colors=[WHITE], draw_order=30))
         tower = [(scene.scenario.tower.x_m, -scene.scenario.tower.y_m)]
         fixed("map/base", rr.Boxes2D(
-            centers=tower, half_sizes=[(self._radius_m, self._radius_m)], radii=[-2.0], colors=[WHITE],
+            centers=tower, half_sizes=[(self._radius_m, self._radius_m)], radii=[-2.0],
             labels=[f"base {scene.scenario.tower.id}"], show_labels=True, draw_order=35))
         if scene.range_m is not None:
             radii_m = [(scene.range_m, scene.range_m)]

@@ -174,7 +174,7 @@ def test_a_frozen_dashboard_stops_neither_the_world_nor_its_own_end(live: Live) 
     def put_much() -> None:
         heavy = live.run.facts[1]
         heavy = msgspec.structs.replace(heavy, reports=(("r2", bytes(1_000_000)),))
-        for number in range(1, 40):
+        for number in range(1, 20):
             live.put(live.droppable, number, [heavy])
         done.set()
 
