@@ -161,9 +161,12 @@ class Follower:
         return self._end_tick is not None and (quiet or self._scene.time_s >= end_s)
 
     def _event_log_ended(self) -> None:
-        """The end may be lost on its way to us (we are droppable), but not in the run folder."""
+        """The end may be lost on its way to us (we are droppable), but not in the run folder.
+
+        An end before what we have seen is that of an earlier part of the run, which was then resumed.
+        """
         for event in read_events(self._folder / "events.jsonl")[-1:]:
-            if event.kind == "end":
+            if event.kind == "end" and event.tick * self._scene.scenario.tick_s >= self._scene.time_s >= 0:
                 self._event(event)
 
     def _show(self) -> None:
