@@ -4,10 +4,10 @@ import os
 import sys
 
 from deploy.command_line import parse
-from deploy.dashboard import DashboardError
 from deploy.launcher import LaunchError
 from deploy.run_folder import RunError
 from deploy.scenario_file import ScenarioError
+from deploy.viewer import ViewerError
 from world_server.journal import JournalError
 
 OPERATOR_MISTAKE = 2
@@ -18,7 +18,7 @@ def main() -> None:
     sys.path.insert(0, os.getcwd())  # behaviours of third parties, here as in the node processes
     try:
         status = parse(sys.argv[1:])
-    except (ScenarioError, RunError, JournalError, DashboardError) as error:
+    except (ScenarioError, RunError, JournalError, ViewerError) as error:
         print(f"picket: {error}", file=sys.stderr)
         status = OPERATOR_MISTAKE
     except LaunchError as error:

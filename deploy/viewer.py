@@ -2,7 +2,6 @@
 
 import os
 import socket
-import sys
 import time
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -10,15 +9,11 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 from urllib.parse import quote
 
+from deploy.process import Popen, start_viewer
+
 Mode = Literal["native", "web", "file"]
 START_WITHIN_S = 30.0
 LOOPBACK = "127.0.0.1"
-
-# The viewer must end with the process that started it, however that ends: set before it becomes the viewer.
-WRAPPER = (
-    "import os, sys; from wire.credentials import die_with_parent; "
-    "die_with_parent(int(sys.argv[1])); os.execv(sys.argv[2], sys.argv[2:])"
-)
 
 
 class ViewerError(Exception):
@@ -28,7 +23,7 @@ class ViewerError(Exception):
 class Viewer(NamedTuple):
     """A viewer's process, where to send data to, and what a person opens to see it."""
 
-    process: "subprocess.Popen[bytes]"
+    process: Popen
     url: str
     address: str
     ports: tuple[int, ...]
@@ -103,19 +98,3 @@ def _free_ports() -> list[int]:
 def _answers(port: int) -> bool:
     with socket.socket() as probe:
         return probe.connect_ex((LOOPBACK, port)) == 0
-
-
-import subprocess  # last, because it is to move to where processes are started
-
-
-def start_viewer(command: list[str], log: Path, environment: dict[str, str]) -> "subprocess.Popen[bytes]":
-    """Start `command` so that it ends with this process; what it prints goes to `log`.
-
-    Call it on the main thread: the kernel takes the thread that starts a child for its parent.
-    """
-    wrapped = [sys.executable, "-c", WRAPPER, str(os.getpid()), *command]
-    with log.open("wb") as output:
-        return subprocess.Popen(
-            wrapped, stdin=subprocess.DEVNULL, stdout=output, stderr=output,
-            env=os.environ | environment, start_new_session=True,
-        )
