@@ -2,8 +2,8 @@
 
 It shares no code with the world's motion, radio, inboxes or visits, and works in plain numbers, one pair of
 nodes after the other. Only the draws of the loss rule are taken from the world's generator: a matrix
-(frames, nodes) keyed by "loss", the sender's number and the tick; a frame is lost where its draw is smaller
-than the probability. Whatever differs is an AssertionError that names the tick and the node.
+(frames, nodes) keyed by "loss", the sender's number, the tick and the rule's place in the list; a frame is lost
+where its draw is smaller than the probability. Whatever differs is an AssertionError that names the tick and the node.
 """
 
 import math
@@ -39,6 +39,10 @@ class Robot:
         self.name = name
         self.x, self.y, self.heading = pose
         self.goal: GoTo | None = None
+        self.errand: GoTo | None = None
+        """The goal it died with, which a mind with its memory kept still has."""
+        self.sent = False
+        """Was it told to move since its last visit?"""
         self.mode = ALIVE
         self.newborn = True
         self.mail: list[Mail] = []
@@ -94,7 +98,11 @@ class Oracle:
         self._check_gap(tick)
         for fault in facts.faults:
             self._befall(fault)
-        self._same(tick, "visits", list(facts.visits), self._visits())
+        visits = self._visits()
+        self._same(tick, "visits", list(facts.visits), visits)
+        for node, _ in visits:
+            self._robot(node).sent = False
+        self.counts["visits"] += len(visits)
         due = [robot.name for robot in self._team if robot.due(tick)]
         self._same(tick, "who is granted", [grant.node for grant in commit.grants], due)
         for grant, action in zip(commit.grants, commit.actions, strict=True):
@@ -114,28 +122,30 @@ class Oracle:
         """Ticks without a commit are those in which nobody moved and nobody was due."""
         for missed in range(self._tick + 1, tick):
             resting = all(one.goal is None or (one.goal.x_m, one.goal.y_m) == (one.x, one.y) for one in self._team)
-            assert resting and not any(robot.due(missed) for robot in self._team), f"tick {missed} was left out"
+            nothing = resting and not self._visits() and not any(robot.due(missed) for robot in self._team)
+            assert nothing, f"tick {missed} was left out"
 
     def _befall(self, fault: Fault) -> None:
         robot = self._robot(fault.node)
         robot.mode = {"kill": DEAD, "freeze": FROZEN, "thaw": ALIVE, "restart": ALIVE}[fault.verb]
         if fault.verb == "kill":
-            robot.goal, robot.mail, robot.wake_tick, robot.wake_on = None, [], None, 0
+            robot.goal, robot.errand = None, robot.goal
+            robot.mail, robot.wake_tick, robot.wake_on = [], None, 0
         elif fault.verb == "restart":
-            robot.wake_tick, robot.newborn = fault.tick, fault.memory == "lost"
+            robot.wake_tick, robot.newborn = fault.tick, robot.newborn or fault.memory == "lost"
+            robot.goal = robot.errand if fault.memory == "kept" else None
         self.counts[fault.verb] += 1
 
     def _visits(self) -> list[tuple[str, int]]:
-        """Who stands within reach of the site it is heading for, the dead and the frozen left out."""
+        """Who is for the first time within reach of the site it was sent to, the dead and the frozen left out."""
         sites, within = self.scenario.field.sites_m(), self.scenario.field.visit_within_m
         found = []
         for robot in self._team:
-            if robot.mode == ALIVE and robot.goal is not None:
+            if robot.mode == ALIVE and robot.goal is not None and robot.sent:
                 for site, (x, y) in enumerate(sites):
                     own = (robot.goal.x_m, robot.goal.y_m) == (x, y)
                     if own and math.sqrt((x - robot.x) ** 2 + (y - robot.y) ** 2) <= within:
                         found.append((robot.name, site))
-        self.counts["visits"] += len(found)
         return found
 
     def _check_grant(self, tick: int, grant: Grant) -> None:
@@ -155,6 +165,7 @@ class Oracle:
     def _take(action: Action, robot: Robot) -> None:
         if action.motion is not None:
             robot.goal = None if isinstance(action.motion, Stay) else action.motion
+            robot.sent = True
         robot.wake_tick, robot.wake_on = action.wake_tick, action.wake_on
 
     def _deliveries(self, tick: int, outboxes: dict[str, tuple[bytes, ...]]) -> list[tuple[int, int, int, int]]:
@@ -179,13 +190,13 @@ class Oracle:
 
     def _delay(self, tick: int, index: int, row: int, other: int) -> int:
         """Ticks until a frame is heard, 0 for never: the first rule that does not let it pass decides."""
-        for rule in self.scenario.radio.rules:
+        for place, rule in enumerate(self.scenario.radio.rules):
             match rule:
                 case Range(range_m=range_m) if self._apart(row, other) > range_m:
                     self.counts["out of range"] += 1
                     return 0
                 case Loss(probability=probability):
-                    draws = generator(self.scenario.seed, "loss", number_of(self._team[row].name), tick)
+                    draws = generator(self.scenario.seed, "loss", number_of(self._team[row].name), tick, place)
                     if draws.random((index + 1, len(self._team)))[index, other] < probability:
                         self.counts["lost by chance"] += 1
                         return 0

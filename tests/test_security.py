@@ -19,7 +19,7 @@ from deploy.launcher import Launcher
 from deploy.recorder import events
 from deploy.rehearsal import rehearse
 from deploy.scenario_file import load_scenario, to_toml
-from tests.live import PATIENCE_S, ROOT, wait_until
+from tests.live_runs import DEADLINE_S, run_folder, until
 from tests.rogue import Plan
 from wire import channels, codec
 from wire.credentials import OBSERVERS, OPERATOR, SUPERVISOR, Book, Credential, fresh, hand_over
@@ -49,7 +49,7 @@ class Process:
         descriptor = hand_over(msgspec.msgpack.encode(plan))
         command = [sys.executable, "-m", "tests.rogue", str(descriptor)]
         pipe = subprocess.PIPE
-        self._popen = subprocess.Popen(command, cwd=ROOT, pass_fds=[descriptor], stdin=pipe, stdout=pipe, text=True)
+        self._popen = subprocess.Popen(command, pass_fds=[descriptor], stdin=pipe, stdout=pipe, text=True)
         os.close(descriptor)
         self.told: dict[str, Any] = {"pid": self._popen.pid}
 
@@ -123,16 +123,16 @@ def garbage() -> tuple[bytes, ...]:
 
 def attack(launcher: Launcher, ticks: list[int], folder: Path) -> dict[str, Any]:
     """Let all rogues loose on a live run; returns what was seen."""
-    wait_until(lambda: ticks, "the first tick")
+    until(lambda: ticks, "the first tick")
     plans = rogues_of(launcher.book)
     rogues = {name: Process(plan) for name, plan in plans.items()}
     try:
         joined = [one for one in rogues.values() if one.read()["joined"]]
         for one in joined:
             one.read()
-        until = ticks[-1] + LISTENING_TICKS
-        wait_until(lambda: ticks[-1] >= until, "the run to go on")
-        wait_until(lambda: refusals(folder, 100), "the world to have had all of the spare's garbage")
+        enough = ticks[-1] + LISTENING_TICKS
+        until(lambda: ticks[-1] >= enough, "the run to go on")
+        until(lambda: refusals(folder, 100), "the world to have had all of the spare's garbage")
         seen = {"sockets": sockets(launcher), "public": public_files(launcher)}
         for one in joined:
             one.stop()
@@ -149,7 +149,7 @@ def attack(launcher: Launcher, ticks: list[int], folder: Path) -> dict[str, Any]
 def hurry(book: Book) -> list[str]:
     """Let the run go on as fast as it can; returns who is alive."""
     link = open_client(book.ticket(OPERATOR))
-    answer = link.ask(channels.key(book.run, channels.CONTROL), codec.encode(Request("speed")), PATIENCE_S)
+    answer = link.ask(channels.key(book.run, channels.CONTROL), codec.encode(Request("speed")), DEADLINE_S)
     link.close()
     return codec.decode(Reply, answer).data["alive"]
 
@@ -179,9 +179,7 @@ def siege(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Siege]:
     place = tmp_path_factory.mktemp("siege")
     (place / "siege.toml").write_text(SCENARIO)
     scenario = load_scenario(place / "siege.toml")
-    folder = place / "besieged"
-    (folder / "logs").mkdir(parents=True)
-    (folder / "scenario.toml").write_text(to_toml(scenario))
+    folder = run_folder(place, "besieged", scenario)
     (place / "private").mkdir(mode=0o700)
     ticks: list[int] = []
     with pytest.MonkeyPatch.context() as patch:
