@@ -80,12 +80,12 @@ def _add_run(commands: argparse._SubParsersAction) -> None:
     run.add_argument("--until", type=positive, metavar="SECONDS", help="end at this simulated time")
     run.add_argument("--set", action="append", default=[], metavar="key.path=value", dest="settings")
     run.add_argument("--clock", choices=("lockstep", "paced"))
-    run.add_argument("--rate", type=positive, metavar="X", help="simulated seconds per second of the paced clock")
-    run.add_argument("--in-process", action="store_true", help="rehearse: all minds in this process, no Zenoh")
+    run.add_argument("--rate", type=positive, metavar="X", help="simulated seconds per second when paced")
+    run.add_argument("--in-process", action="store_true", help="rehearse: all minds in this process")
     run.add_argument("--faults-from", metavar="RUN", help="repeat all faults of that run, and no others")
     run.add_argument("--dashboard", choices=DASHBOARDS, default="auto")
     run.add_argument("--out", type=Path, metavar="DIR", help="where the run folder is made (default: runs)")
-    run.add_argument("--json", action="store_true", help="print summary.json and nothing else on standard output")
+    run.add_argument("--json", action="store_true", help="print summary.json and nothing else")
     run.set_defaults(do=run_scenario)
 
 

@@ -67,17 +67,17 @@ MISTAKES = {
     "run folder": "folder: is a directory; give a scenario file",
     "run latin.toml": "latin.toml: not UTF-8 text (byte 14); a scenario is TOML",
     "run torn.toml": "torn.toml: not valid TOML",
-    "run small.toml --set robots.cuont=3": "small.toml: robots.cuont is not a field; did you mean count?",
-    "run small.toml --set duration_s='long'": "small.toml: duration_s must be a number, got 'long'",
-    "run small.toml --set robots.count=2.5": "small.toml: robots.count must be a whole number, got 2.5",
-    "run small.toml --set radio.rules.0.range_m=-3": "small.toml: radio.rules[0].range_m must be a number > 0.0, got -3",
-    "run small.toml --set radio.rules.0.range_m=nan": "small.toml: radio.rules[0].range_m must be finite, got nan",
-    "run small.toml --set robots.behaviour=lr_tp": "small.toml: robots.behaviour: there is no behaviour 'lr_tp'",
+    "run small.toml --set robots.cuont=3": "robots.cuont is not a field; did you mean count?",
+    "run small.toml --set duration_s='long'": "duration_s must be a number, got 'long'",
+    "run small.toml --set robots.count=2.5": "robots.count must be a whole number, got 2.5",
+    "run small.toml --set radio.rules.0.range_m=-3": "radio.rules[0].range_m must be a number > 0.0, got -3",
+    "run small.toml --set radio.rules.0.range_m=nan": "radio.rules[0].range_m must be finite, got nan",
+    "run small.toml --set robots.behaviour=lr_tp": "robots.behaviour: there is no behaviour 'lr_tp'",
     "run small.toml --set robots.behaviour=their_behaviours:Mine":
-        "small.toml: robots.behaviour: behaviour 'their_behaviours:Mine' cannot be imported: RuntimeError: not yet",
-    "run small.toml --set clock.kind=slow": "small.toml: clock.kind must be lockstep or paced, got 'slow'",
+        "'their_behaviours:Mine' cannot be imported: RuntimeError: not yet",
+    "run small.toml --set clock.kind=slow": "clock.kind must be lockstep or paced, got 'slow'",
     "run small.toml --set faults=[{at_s=3,verb='kill',nodes=['r9']}]":
-        f"small.toml: faults[0].nodes: there is no node r9; nodes are {TOWER_AND_TEAM}",
+        f"faults[0].nodes: there is no node r9; nodes are {TOWER_AND_TEAM}",
     "run small.toml --set radio.rules.7.range_m=3": "--set radio.rules.7.range_m=3: there is no such place",
     "run small.toml --set seed": "--set seed: must be key.path=value",
     "run small.toml --until 0": "--until: must be a number > 0, got '0'",
@@ -87,11 +87,11 @@ MISTAKES = {
     "run small.toml --rate -1": "--rate: must be a number > 0, got '-1'",
     "run small.toml --seed -1": "--seed: must be a whole number >= 0, got '-1'",
     "run small.toml --clock slow": "--clock: invalid choice: 'slow'",
-    "run small.toml --faults-from nosuch": "nosuch: no such run; give a run folder, or the id of one in runs/",
+    "run small.toml --faults-from nosuch": "nosuch: no such run; give a run folder, or the id of",
     "run small.toml --faults-from alien": "alien/journal: not a journal",
     "run small.toml --out a_file": "--out a_file: cannot make a run folder there: Not a directory",
     "run small.toml --sed 3": "unrecognized arguments: --sed 3",
-    "kill nosuch r2": "nosuch: no such run; give a run folder, or the id of one in runs/",
+    "kill nosuch r2": "nosuch: no such run; give a run folder, or the id of",
     "kill sound r2": "sound: is not running",
     "kill sound": "the following arguments are required: NODE",
     "restart sound r2 --memory some": "--memory: invalid choice: 'some'",
@@ -139,7 +139,9 @@ def test_two_robots_with_one_name_are_refused(here: Path, capsys: pytest.Capture
     assert capsys.readouterr() == ("", said)
 
 
-def test_a_port_in_use_is_told_before_there_is_a_run_folder(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_port_in_use_is_told_before_there_is_a_run_folder(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         assert carry_out(split(f"run small.toml --set wire.port={port}")) == OPERATOR_MISTAKE
@@ -150,7 +152,9 @@ def test_a_port_in_use_is_told_before_there_is_a_run_folder(here: Path, capsys: 
 @pytest.mark.parametrize("line", ["run nosuch", "compare sound bent", "step sound never"])
 def test_the_real_command_says_the_same(here: Path, line: str) -> None:
     picket = [sys.executable, "-m", "deploy", *split(line)]
-    ended = subprocess.run(picket, cwd=here, env=with_the_project(), capture_output=True, text=True, check=False)
+    ended = subprocess.run(
+        picket, cwd=here, env=with_the_project(), capture_output=True, text=True, check=False
+    )
     assert (ended.returncode, ended.stdout, len(ended.stderr.splitlines())) == (OPERATOR_MISTAKE, "", 1)
     assert ended.stderr.startswith("picket: ")
 

@@ -1,4 +1,4 @@
-"""Every delivery, position and visit of a run is what an independent oracle says; a world that errs is caught."""
+"""Every delivery, position and visit is what an independent oracle says; a world that errs is caught."""
 
 import re
 from collections import Counter
@@ -48,9 +48,15 @@ range_m = 90
 FAULTS = "".join(
     f'[[faults]]\nat_s = {at_s}\nverb = "{verb}"\nnodes = ["{node}"]\nmemory = "{memory}"\n'
     for at_s, verb, node, memory in (
-        (40, "kill", "r2", "lost"), (60, "freeze", "r4", "lost"), (75, "thaw", "r4", "lost"),
-        (90, "restart", "r2", "lost"), (110, "kill", "r1", "lost"), (111, "kill", "r5", "lost"),
-        (150, "restart", "r5", "kept"), (190, "freeze", "r3", "lost"), (200, "kill", "r3", "lost"),
+        (40, "kill", "r2", "lost"),
+        (60, "freeze", "r4", "lost"),
+        (75, "thaw", "r4", "lost"),
+        (90, "restart", "r2", "lost"),
+        (110, "kill", "r1", "lost"),
+        (111, "kill", "r5", "lost"),
+        (150, "restart", "r5", "kept"),
+        (190, "freeze", "r3", "lost"),
+        (200, "kill", "r3", "lost"),
     )
 )
 
@@ -69,7 +75,9 @@ def judged(folder: Path, world: Scenario, oracle: Scenario) -> Counter:
 
 @pytest.mark.parametrize("faults", ["", FAULTS], ids=["nobody fails", "with faults"])
 @pytest.mark.parametrize("rules", RULES)
-def test_every_delivery_position_and_visit_is_what_the_oracle_says(tmp_path: Path, rules: str, faults: str) -> None:
+def test_every_delivery_position_and_visit_is_what_the_oracle_says(
+    tmp_path: Path, rules: str, faults: str
+) -> None:
     scenario = make(tmp_path, SOUND + RULES[rules] + faults)
     counts = judged(tmp_path, scenario, scenario)
     happened = {"delivered": 500, "heard": 500, "out of range": 500, "visits": 10}
@@ -86,7 +94,8 @@ def test_frames_beyond_the_bytes_of_a_tick_are_not_delivered(tmp_path: Path) -> 
 def wrong(scenario: Scenario, kind: type, **fields: Any) -> Scenario:
     """The scenario with one of its radio rules changed."""
     rules = tuple(
-        msgspec.structs.replace(rule, **fields) if isinstance(rule, kind) else rule for rule in scenario.radio.rules
+        msgspec.structs.replace(rule, **fields) if isinstance(rule, kind) else rule
+        for rule in scenario.radio.rules
     )
     return changed(scenario, radio=msgspec.structs.replace(scenario.radio, rules=rules))
 
@@ -104,7 +113,9 @@ ERRORS = {
     "too little loss": lambda one: wrong(one, Loss, probability=0.19),
     "a partition that begins a tick late": lambda one: wrong(one, Partition, from_s=101.0),
     "a partition that ends a tick early": lambda one: wrong(one, Partition, until_s=179.0),
-    "robots that are a little too fast": lambda one: changed(one, robots=changed(one.robots, max_speed_m_s=4.001)),
+    "robots that are a little too fast": lambda one: changed(
+        one, robots=changed(one.robots, max_speed_m_s=4.001)
+    ),
     "visits from a metre too far": lambda one: changed(one, field=changed(one.field, visit_within_m=4.0)),
 }
 

@@ -93,6 +93,7 @@ class Siege(NamedTuple):
 
 def rogues_of(book: Book) -> dict[str, Plan]:
     """Every rogue by name; all of them try everything."""
+
     def plan(credential: Credential | None, own: str = "", say: tuple[bytes, ...] = ()) -> Plan:
         return Plan(book.run, book.endpoint, credential, VICTIMS, own, say)
 
@@ -142,8 +143,11 @@ def attack(launcher: Launcher, ticks: list[int], folder: Path) -> dict[str, Any]
     operator_file = next((folder.parent / "private").glob("picket-*/*.json"))
     modes = tuple(stat.S_IMODE(place.stat().st_mode) for place in (operator_file, operator_file.parent))
     alive = hurry(launcher.book)
-    return seen | {"rogues": {name: one.told for name, one in rogues.items()}, "operator_file": modes,
-                   "alive_after": alive}
+    return seen | {
+        "rogues": {name: one.told for name, one in rogues.items()},
+        "operator_file": modes,
+        "alive_after": alive,
+    }
 
 
 def hurry(book: Book) -> list[str]:
@@ -161,7 +165,9 @@ def refusals(folder: Path, count: int) -> list[dict[str, Any]]:
 
 def sockets(launcher: Launcher) -> dict[str, list[Any]]:
     """Every socket of every process of a run, of whatever family."""
-    return {name: psutil.Process(child.pid).net_connections("all") for name, _, child, _ in launcher.processes}
+    return {
+        name: psutil.Process(child.pid).net_connections("all") for name, _, child, _ in launcher.processes
+    }
 
 
 def public_files(launcher: Launcher) -> dict[str, bytes]:
@@ -242,7 +248,9 @@ def test_a_borrowed_password_is_reported_with_the_process_that_uses_it(siege: Si
     told = [one["text"] for one in siege.events if one["kind"] == "stranger"]
     assert len(told) == 2
     for rogue in ("thief", "thief of the launcher"):
-        assert any(f"process {siege.rogues[rogue]['pid']} (" in text and "tests.rogue" in text for text in told)
+        assert any(
+            f"process {siege.rogues[rogue]['pid']} (" in text and "tests.rogue" in text for text in told
+        )
 
 
 def test_an_agent_process_holds_no_socket_but_its_link(siege: Siege) -> None:
@@ -259,9 +267,11 @@ def test_nothing_of_a_run_listens_beyond_loopback(siege: Siege) -> None:
 
 
 def test_no_secret_is_in_a_command_line_an_environment_or_the_run_folder(siege: Siege) -> None:
-    places = siege.public | {str(place): place.read_bytes() for place in siege.folder.rglob("*") if place.is_file()}
-    places["journal, expanded"] = zstandard.ZstdDecompressor().decompressobj().decompress(
-        (siege.folder / "journal").read_bytes()
+    places = siege.public | {
+        str(place): place.read_bytes() for place in siege.folder.rglob("*") if place.is_file()
+    }
+    places["journal, expanded"] = (
+        zstandard.ZstdDecompressor().decompressobj().decompress((siege.folder / "journal").read_bytes())
     )
     assert len(places) > 15
     for one in siege.book.everyone:
