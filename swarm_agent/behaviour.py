@@ -80,7 +80,8 @@ def find_behaviour(name: str, package: str) -> type[Behaviour]:
         where = "a file of swarm_agent/behaviours or their_package.module:Class"
         raise BehaviourError(f"there is no behaviour {name!r} ({error}); must be {where}") from None
     except Exception as error:  # noqa: BLE001  a name that is none, or whatever their module does when read
-        raise BehaviourError(f"behaviour {name!r} cannot be imported: {type(error).__name__}: {error}") from None
+        why = f"{type(error).__name__}: {error}"
+        raise BehaviourError(f"behaviour {name!r} cannot be imported: {why}") from None
     if colon:
         found = [getattr(module, class_name, None)]
     else:

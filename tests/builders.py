@@ -16,9 +16,12 @@ from tests.scripted import Log
 from wire import codec
 from wire.fields import Grid
 from wire.messages import Configuration, Facts, Frame, Percept, Pose, Senses, Sighting
-from wire.scenario import Poses, Range, RadioSection, Robots, Scenario, TowerSection
+from wire.scenario import PlannedFault, Poses, RadioSection, Range, Robots, Scenario, TowerSection
+from world_server.journal import commits
 
 NO_NEWS = News(b"")
+TALK = {"every_tick": True, "say_always": "hello"}
+AWAKE = {"every_tick": True}
 
 
 def table(**visited: int) -> News:
@@ -34,31 +37,59 @@ def entries(news: News) -> dict[int, int]:
     return dict(zip(sites, times, strict=True))
 
 
-def configuration(node: str = "r2", behaviour: str = "lr_pt", parameters: Any = None, **fields: Any) -> Configuration:
+def configuration(
+    node: str = "r2", behaviour: str = "lr_pt", parameters: Any = None, **fields: Any
+) -> Configuration:
     """What a node is told of itself, on the paper's field unless `field` says otherwise."""
-    told = {"incarnation": 0, "generator_key": (1, 2), "tick_s": 1.0, "tower": "r1", "field": Grid(),
-            "max_speed_m_s": 1.5} | fields
+    told = {
+        "incarnation": 0,
+        "generator_key": (1, 2),
+        "tick_s": 1.0,
+        "tower": "r1",
+        "field": Grid(),
+        "max_speed_m_s": 1.5,
+    } | fields
     return Configuration(node=node, behaviour=behaviour, parameters=codec.encode(parameters or {}), **told)
 
 
-def robot(node: str = "r2", team_size: int = 10, tower: str = "r1", field: Grid | None = None,
-          seed: int = 1, **parameters: Any) -> LrPt:
+def robot(
+    node: str = "r2",
+    team_size: int = 10,
+    tower: str = "r1",
+    field: Grid | None = None,
+    seed: int = 1,
+    **parameters: Any,
+) -> LrPt:
     """A newborn LR-PT robot."""
     settled = LrPtParameters(**parameters).settled(team_size)
     told = configuration(node, "lr_pt", tower=tower, field=field or Grid())
     return LrPt(settled, told, np.random.Generator(np.random.Philox(seed)))
 
 
-def percept(tick: int, x_m: float = 0.0, y_m: float = 0.0, grant: int | None = None,
-            in_sight: Iterable[Sighting] = (), inbox: Iterable[Frame] = (), why: str = "wake",
-            configuration: Configuration | None = None) -> Percept:
+def percept(
+    tick: int,
+    x_m: float = 0.0,
+    y_m: float = 0.0,
+    grant: int | None = None,
+    in_sight: Iterable[Sighting] = (),
+    inbox: Iterable[Frame] = (),
+    why: str = "wake",
+    configuration: Configuration | None = None,
+) -> Percept:
     """A grant at a place."""
     senses = Senses(Pose(x_m, y_m, 0.0), tuple(in_sight))
     return Percept(tick, tick if grant is None else grant, why, senses, tuple(inbox), configuration)
 
 
-def from_robot(sender: str, sent_tick: int, priority_s: float = 0.0, contact_tick: int = 0, goal: int = -1,
-               target: int = -1, news: News = NO_NEWS) -> Heard:
+def from_robot(
+    sender: str,
+    sent_tick: int,
+    priority_s: float = 0.0,
+    contact_tick: int = 0,
+    goal: int = -1,
+    target: int = -1,
+    news: News = NO_NEWS,
+) -> Heard:
     """A robot's bulletin as it is heard."""
     return Heard(sender, sent_tick, Bulletin(news, (), 0, Duty(priority_s, contact_tick, goal, target)))
 
@@ -68,9 +99,14 @@ def from_tower(sent_tick: int, news: News = NO_NEWS, tower: str = "r1") -> Heard
     return Heard(tower, sent_tick, Bulletin(news, (), 0))
 
 
-def scenario(robots: Robots | int = 2, behaviour: str = "lr_pt", parameters: dict[str, Any] | None = None,
-             poses: Iterable[tuple[float, float, float]] | None = None, range_m: float = 180.0,
-             **fields: Any) -> Scenario:
+def scenario(
+    robots: Robots | int = 2,
+    behaviour: str = "lr_pt",
+    parameters: dict[str, Any] | None = None,
+    poses: Iterable[tuple[float, float, float]] | None = None,
+    range_m: float = 180.0,
+    **fields: Any,
+) -> Scenario:
     """A complete small scenario; more robots than the paper tuned for get its values for ten nodes."""
     if isinstance(robots, int):
         robots = Robots(behaviour, robots)
@@ -85,8 +121,10 @@ def scenario(robots: Robots | int = 2, behaviour: str = "lr_pt", parameters: dic
     return Scenario(mission="area", robots=msgspec.structs.replace(robots, parameters=settled), **told)
 
 
-def scripted(scripts: dict[str, dict[str, Any]], poses: Iterable[tuple[float, float]], **fields: Any) -> Scenario:
-    """A scenario of scripted robots r2, r3, ... at these positions, with a tower that stands still and mute."""
+def scripted(
+    scripts: dict[str, dict[str, Any]], poses: Iterable[tuple[float, float]], **fields: Any
+) -> Scenario:
+    """A scenario of scripted robots r2, r3, ... at these positions, with a tower that is mute."""
     places = tuple((float(x_m), float(y_m), 0.0) for x_m, y_m in poses)
     robots = fields.pop("robots", Robots("tests.scripted:Scripted", len(places)))
     mute = TowerSection(behaviour="swarm_agent.behaviours.stand_still:StandStill")
@@ -104,8 +142,33 @@ class Course(NamedTuple):
     def logs(self, node: str) -> dict[int, Log]:
         """What a scripted robot reported, by tick."""
         return {
-            one.tick: codec.decode(Log, report) for one in self.facts for name, report in one.reports if name == node
+            one.tick: codec.decode(Log, report)
+            for one in self.facts
+            for name, report in one.reports
+            if name == node
         }
+
+    def grants(self, node: str) -> dict[int, str]:
+        """Tick and reason of every grant of a node."""
+        granted = ((one.tick, grant) for one in commits(self.journal) for grant in one.grants)
+        return {tick: grant.why for tick, grant in granted if grant.node == node}
+
+    def visits(self) -> list[tuple[int, str, int]]:
+        """Tick, node and site of every visit."""
+        return [(one.tick, *visit) for one in self.facts for visit in one.visits]
+
+    def positions(self, row: int) -> list[tuple[float, float]]:
+        """Where the node in `row` was at the end of each tick."""
+        poses = [np.frombuffer(one.poses).reshape(-1, 3)[row, :2].tolist() for one in self.facts]
+        return [(x_m, y_m) for x_m, y_m in poses]
+
+
+def planned(
+    *faults: PlannedFault, scripts: Any = None, poses: Any = ((0, 0), (5, 0)), **fields: Any
+) -> Scenario:
+    """A scripted scenario with faults; unless told otherwise r2 and r3 talk all the time."""
+    given = {"r2": TALK, "r3": TALK} if scripts is None else scripts
+    return scripted(given, poses, faults=faults, **fields)
 
 
 def course(given: Scenario, folder: Path, last_tick: int | None = None) -> Course:
@@ -122,6 +185,8 @@ def events(folder: Path) -> list[dict[str, Any]]:
     return [msgspec.json.decode(line) for line in (folder / "events.jsonl").read_text().splitlines()]
 
 
-def facts(tick: int, visits: Iterable[tuple[str, int]] = (), reports: Iterable[tuple[str, bytes]] = ()) -> Facts:
+def facts(
+    tick: int, visits: Iterable[tuple[str, int]] = (), reports: Iterable[tuple[str, bytes]] = ()
+) -> Facts:
     """Facts of a tick in which nothing happened but what is given."""
     return Facts(tick, b"", b"", b"", b"", tuple(visits), tuple(reports), (), (0, 0, 0, 0, 0, 0))

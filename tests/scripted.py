@@ -72,8 +72,12 @@ class Scripted(Behaviour):
     def _log(self, percept: Percept, heard: Sequence[Heard]) -> Log:
         senses = percept.senses
         return Log(
-            percept.why, senses.pose.x_m, senses.pose.y_m,
+            percept.why,
+            senses.pose.x_m,
+            senses.pose.y_m,
             tuple((one.sender, one.sent_tick, one.message.text) for one in heard),
-            tuple(one.node for one in senses.in_sight), senses.refused_frames, self.grants,
+            tuple(one.node for one in senses.in_sight),
+            senses.refused_frames,
+            self.grants,
             self.generator.random(),
         )

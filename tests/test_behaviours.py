@@ -2,7 +2,6 @@
 
 import importlib
 import pkgutil
-import sys
 from functools import cache
 
 import msgspec
@@ -13,7 +12,7 @@ from hypothesis import strategies as st
 
 import swarm_agent.behaviours
 import tower
-from swarm_agent.behaviour import Behaviour, BehaviourError, find_behaviour, settled_parameters
+from swarm_agent.behaviour import Behaviour, find_behaviour, settled_parameters
 from swarm_agent.knowledge import Bulletin
 from swarm_agent.node import Mind, percepts_of
 from tests.builders import configuration, from_robot, from_tower, percept, table
@@ -29,7 +28,11 @@ def _discover() -> list[tuple[str, str]]:
         for module in pkgutil.iter_modules(package.__path__):
             if module.name != "__main__":
                 loaded = importlib.import_module(f"{package.__name__}.{module.name}")
-                own = [one for one in vars(loaded).values() if isinstance(one, type) and issubclass(one, Behaviour)]
+                own = [
+                    one
+                    for one in vars(loaded).values()
+                    if isinstance(one, type) and issubclass(one, Behaviour)
+                ]
                 if any(one.__module__ == loaded.__name__ for one in own):
                     found.append((package.__name__, module.name))
     return found
@@ -43,7 +46,9 @@ def first(package: str, name: str, generator_key: tuple[int, ...] = (1, 2)) -> P
     """The first percept of a node with this behaviour, on a small field, in the paper's team of ten."""
     parameters = settled_parameters(find_behaviour(name, package), {}, 10)
     node = "r1" if package == "tower" else "r2"
-    told = configuration(node, name, msgspec.to_builtins(parameters), field=Grid(6, 6), generator_key=generator_key)
+    told = configuration(
+        node, name, msgspec.to_builtins(parameters), field=Grid(6, 6), generator_key=generator_key
+    )
     return percept(0, 2.0, 3.0, why="start", configuration=told)
 
 
@@ -51,7 +56,10 @@ def first(package: str, name: str, generator_key: tuple[int, ...] = (1, 2)) -> P
 def sound_frames() -> list[bytes]:
     """Frames that our behaviours really say, from a bulletin without and with a duty."""
     news = table(s1=4, s30=2)
-    return [codec.encode(from_tower(3, news).message), codec.encode(from_robot("r3", 3, 5.0, 1, 2, 3, news).message)]
+    return [
+        codec.encode(from_tower(3, news).message),
+        codec.encode(from_robot("r3", 3, 5.0, 1, 2, 3, news).message),
+    ]
 
 
 def a_life(package: str, name: str, ticks: int = 25, seed: int = 0) -> list[Percept]:
@@ -62,7 +70,9 @@ def a_life(package: str, name: str, ticks: int = 25, seed: int = 0) -> list[Perc
         x_m, y_m = (draw.random(2) * 180).tolist()
         heard = [
             Frame(f"r{number}", tick - 1, payload)
-            for number, payload in zip((1, 3, 4), [*sound_frames(), draw.bytes(int(draw.integers(40)))], strict=True)
+            for number, payload in zip(
+                (1, 3, 4), [*sound_frames(), draw.bytes(int(draw.integers(40)))], strict=True
+            )
             if draw.random() < 0.7
         ]
         seen = [Sighting("r3", x_m + 1, y_m)] if draw.random() < 0.5 else []
@@ -152,7 +162,11 @@ def test_a_percept_is_never_changed(package, name):
         heard = Mind._decode(_mind_of(one), given_percept.inbox)
         before = codec.encode(given_percept), codec.encode([item.message for item in heard]), list(heard)
         one.step(given_percept, heard)
-        assert (codec.encode(given_percept), codec.encode([item.message for item in heard]), list(heard)) == before
+        assert (
+            codec.encode(given_percept),
+            codec.encode([item.message for item in heard]),
+            list(heard),
+        ) == before
 
 
 def _mind_of(behaviour: Behaviour) -> Mind:
@@ -207,7 +221,12 @@ def test_undecodable_frames_are_counted_and_the_rest_is_heard():
     mind = Mind("tower")
     mind.answer(codec.encode(first("tower", "base_station")))
     sound = sound_frames()[1]
-    inbox = [Frame("r2", 0, b""), Frame("r3", 0, b"\1garbage"), Frame("r4", 0, sound), Frame("r5", 0, b"\2" + sound[1:])]
+    inbox = [
+        Frame("r2", 0, b""),
+        Frame("r3", 0, b"\1garbage"),
+        Frame("r4", 0, sound),
+        Frame("r5", 0, b"\2" + sound[1:]),
+    ]
     report = codec.decode(Action, mind.answer(codec.encode(percept(1, inbox=inbox)))).report
     assert mind.undecodable_frames == 3
     assert report
@@ -237,74 +256,3 @@ def test_a_new_configuration_begins_a_new_mind():
 
 def test_memory_of_a_former_life_may_be_empty():
     assert percepts_of(b"") == []
-
-
-THEIRS = """
-from swarm_agent.behaviour import Behaviour, Move, Parameters
-from wire.messages import GoTo
-
-class Given(Parameters, frozen=True):
-    x_m: float = 7.0
-
-class Theirs(Behaviour):
-    Parameters = Given
-
-    def step(self, percept, heard):
-        return Move(GoTo(self.parameters.x_m, self.generator.random()), (), percept.tick + 3)
-
-class Another(Theirs):
-    pass
-
-class NoBehaviour:
-    pass
-
-a_function = print
-"""
-
-
-@pytest.fixture
-def their_package(tmp_path, monkeypatch):
-    (tmp_path / "their_package").mkdir()
-    (tmp_path / "their_package" / "module.py").write_text(THEIRS)
-    (tmp_path / "their_package" / "broken.py").write_text("def oh(:\n")
-    (tmp_path / "their_package" / "failing.py").write_text("1 / 0\n")
-    monkeypatch.syspath_prepend(tmp_path)
-    yield
-    for name in [one for one in sys.modules if one.startswith("their_package")]:
-        del sys.modules[name]
-
-
-def test_a_third_party_gives_a_module_and_a_class(their_package):
-    told = configuration("r2", "their_package.module:Theirs", {"x_m": 3.5})
-    answer = Mind("swarm_agent.behaviours").answer(codec.encode(percept(4, why="start", configuration=told)))
-    action = codec.decode(Action, answer)
-    assert action.motion.x_m == 3.5
-    assert action.wake_tick == 7
-
-
-@pytest.mark.parametrize(
-    "name",
-    ["lr_ptt", "", ".", "..", ".lr_pt", "lr_pt.", "lr pt", "lr_pt:", ":LrPt", ":", "..x:Y", "their_package.module",
-     "their_package.module:Nobody", "their_package.module:NoBehaviour", "their_package.module:a_function",
-     "their_package.nothing:Theirs", "their_package.broken:X", "their_package.failing:X", "no_package.module:X",
-     "swarm_agent.behaviour:Behaviour", "a\0b", "\0:X", "__init__", "os"],
-)
-def test_a_name_that_names_no_behaviour_is_an_error_that_says_it(their_package, name):
-    with pytest.raises(BehaviourError) as caught:
-        find_behaviour(name, "swarm_agent.behaviours")
-    assert repr(name) in str(caught.value)
-
-
-def test_a_file_with_two_behaviours_needs_the_name_of_a_class(their_package):
-    with pytest.raises(BehaviourError, match="exactly one"):
-        find_behaviour("module", "their_package")
-    assert find_behaviour("their_package.module:Another", "their_package").__name__ == "Another"
-
-
-def test_unknown_and_wrong_parameters_are_refused(their_package):
-    theirs = find_behaviour("their_package.module:Theirs", "x")
-    with pytest.raises(msgspec.ValidationError, match="y_m"):
-        settled_parameters(theirs, {"y_m": 1.0}, 5)
-    with pytest.raises(msgspec.ValidationError, match="float"):
-        settled_parameters(theirs, {"x_m": "far"}, 5)
-    assert settled_parameters(theirs, {"x_m": 2}, 5).x_m == 2.0

@@ -14,16 +14,25 @@ from wire.fields import Grid
 from wire.messages import Action, GoTo, Message, Motion, Notice, Percept, Request, Stay
 
 KINDS = [
-    kind for _, kind in inspect.getmembers(messages, inspect.isclass)
+    kind
+    for _, kind in inspect.getmembers(messages, inspect.isclass)
     if issubclass(kind, Message) and kind is not Message
 ]
 
 ids = st.from_regex(r"[a-z][a-z_]{0,5}[0-9]{1,4}", fullmatch=True)
 counts = st.integers(0, 2**53)
 finite = st.floats(allow_nan=False, allow_infinity=False)
-any_data = st.dictionaries(st.text(max_size=4), st.one_of(st.none(), st.booleans(), finite, st.text(max_size=4)))
-grids = st.builds(Grid, st.integers(1, 30), st.integers(1, 30), st.floats(0.1, 100),
-                  st.none() | st.floats(0, 100), st.floats(0.1, 9))
+any_data = st.dictionaries(
+    st.text(max_size=4), st.one_of(st.none(), st.booleans(), finite, st.text(max_size=4))
+)
+grids = st.builds(
+    Grid,
+    st.integers(1, 30),
+    st.integers(1, 30),
+    st.floats(0.1, 100),
+    st.none() | st.floats(0, 100),
+    st.floats(0.1, 9),
+)
 
 
 def strategy_of(kind):
@@ -82,7 +91,9 @@ def test_every_message_comes_back_as_it_was_said(kind):
 
 @given(strategy_of(Action), st.integers(1, 10))
 def test_an_action_with_a_time_to_wake_comes_back(action, later):
-    action = msgspec.structs.replace(action, wake_tick=min(action.tick, 2**52) + later, tick=min(action.tick, 2**52))
+    action = msgspec.structs.replace(
+        action, wake_tick=min(action.tick, 2**52) + later, tick=min(action.tick, 2**52)
+    )
     assert codec.decode(Action, codec.encode(action)) == action
 
 
@@ -106,10 +117,15 @@ def test_any_bytes_decode_or_are_malformed(kind, data):
     decodes_or_is_malformed(kind, codec.encode(0)[:1] + data)
 
 
-@given(st.sampled_from(KINDS), st.recursive(
-    st.one_of(st.none(), st.booleans(), st.integers(-(2**63), 2**64 - 1), st.floats(), st.text(), st.binary()),
-    lambda inner: st.lists(inner, max_size=12) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
-))
+@given(
+    st.sampled_from(KINDS),
+    st.recursive(
+        st.one_of(
+            st.none(), st.booleans(), st.integers(-(2**63), 2**64 - 1), st.floats(), st.text(), st.binary()
+        ),
+        lambda inner: st.lists(inner, max_size=12) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    ),
+)
 def test_any_messagepack_decodes_or_is_malformed(kind, value):
     decodes_or_is_malformed(kind, codec.encode(value))
 

@@ -56,7 +56,9 @@ def test_means_are_over_the_ticks_and_worst_is_the_largest_of_all():
     """Source: equations 2, 4, 6, 8; divided by the number of terms."""
     fold = metrics()
     for tick in range(5):
-        fold.feed(facts(tick, [("r2", 0), ("r3", 1)] if tick == 3 else [], [knows(s0=3)] if tick == 4 else []))
+        fold.feed(
+            facts(tick, [("r2", 0), ("r3", 1)] if tick == 3 else [], [knows(s0=3)] if tick == 4 else [])
+        )
     summary = fold.summary()
     assert summary["graph_idleness_s"] == (0 + 1 + 2 + 0 + 1) / 5
     assert summary["worst_idleness_s"] == 2

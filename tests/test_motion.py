@@ -33,7 +33,9 @@ def test_a_wrapped_angle_is_the_same_angle_in_minus_pi_to_pi(angle):
     assert math.sin(found) == pytest.approx(math.sin(angle), abs=1e-8)
 
 
-@pytest.mark.parametrize("angle", [math.pi, -math.pi, 3 * math.pi, math.nextafter(math.pi, 4), math.nextafter(-math.pi, -4)])
+@pytest.mark.parametrize(
+    "angle", [math.pi, -math.pi, 3 * math.pi, math.nextafter(math.pi, 4), math.nextafter(-math.pi, -4)]
+)
 def test_half_a_turn_is_plus_pi(angle):
     assert -math.pi < wrapped(angle) <= math.pi
     assert abs(wrapped(angle)) == pytest.approx(math.pi)

@@ -45,12 +45,14 @@ def test_a_frame_is_heard_exactly_by_those_in_range_one_tick_later(positions, ra
     expected = {
         (sender, 0, other): 8
         for other in range(len(positions))
-        if other != sender and np.hypot(*np.subtract(positions[sender], positions[other])) <= range_m * (1 - 1e-12)
+        if other != sender
+        and np.hypot(*np.subtract(positions[sender], positions[other])) <= range_m * (1 - 1e-12)
     }
     border = {
         (sender, 0, other): 8
         for other in range(len(positions))
-        if other != sender and np.hypot(*np.subtract(positions[sender], positions[other])) <= range_m * (1 + 1e-12)
+        if other != sender
+        and np.hypot(*np.subtract(positions[sender], positions[other])) <= range_m * (1 + 1e-12)
     }
     found = heard(radio(Range(range_m), nodes=len(positions)), 7, {sender: [b"x"]}, apart_m)
     assert expected.items() <= found.items() <= border.items()
@@ -165,7 +167,8 @@ def test_two_loss_rules_draw_twice():
 
 def test_another_seed_loses_other_frames():
     lucks = {
-        tuple(len(heard(radio(Loss(0.5), seed=seed), tick, {0: [b"x"]})) for tick in range(40)) for seed in range(5)
+        tuple(len(heard(radio(Loss(0.5), seed=seed), tick, {0: [b"x"]})) for tick in range(40))
+        for seed in range(5)
     }
     assert len(lucks) == 5
 
@@ -182,12 +185,19 @@ def test_frames_beyond_the_bytes_of_a_tick_are_refused_in_order_and_counted(size
 
 
 def test_the_limit_is_each_senders_own():
-    _, refused, tally = radio(bytes_per_tick=10).transmit(0, {0: [bytes(10)], 1: [bytes(11)], 2: [bytes(9)]}, CLOSE)
+    _, refused, tally = radio(bytes_per_tick=10).transmit(
+        0, {0: [bytes(10)], 1: [bytes(11)], 2: [bytes(9)]}, CLOSE
+    )
     assert refused == {1: 1}
     assert tally.bytes == 19
 
 
-@given(places, rules, st.lists(st.integers(0, 5)), st.dictionaries(st.integers(0, 5), st.lists(st.binary(max_size=9))))
+@given(
+    places,
+    rules,
+    st.lists(st.integers(0, 5)),
+    st.dictionaries(st.integers(0, 5), st.lists(st.binary(max_size=9))),
+)
 def test_the_tally_adds_up(positions, given_rules, deaf, outboxes):
     nodes = len(positions)
     outboxes = {row: frames for row, frames in sorted(outboxes.items()) if row < nodes}

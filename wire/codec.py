@@ -30,14 +30,14 @@ def encode(message: Any) -> bytes:
     return _PREFIX + _encoder.encode(message)
 
 
-def decode(kind: Any, data: bytes) -> Any:
+def decode(kind: Any, data: bytes, at_most: int = MAX_BYTES) -> Any:
     """The message of type `kind` in `data`. Raises Malformed."""
     if not data:
         raise Malformed("no bytes at all")
     if data[0] != SCHEMA_VERSION:
         raise Malformed(f"schema version {data[0]}, this program speaks {SCHEMA_VERSION}")
-    if len(data) > MAX_BYTES:
-        raise Malformed(f"{len(data)} bytes, at most {MAX_BYTES} are read")
+    if len(data) > at_most:
+        raise Malformed(f"{len(data)} bytes, at most {at_most} are read")
     try:
         return _decoder(kind).decode(memoryview(data)[1:])
     except (msgspec.DecodeError, ValueError, RecursionError) as error:

@@ -11,7 +11,8 @@ class Sites:
     """The places of a field that are to be visited.
 
     A visit is complete when a living robot is within reach of the site that it was heading for, once for
-    each time it was sent there; sites that it merely passes do not count. Source: Kobayashi et al. 2025, section III-A.
+    each time it was sent there; sites that it merely passes do not count.
+    Source: Kobayashi et al. 2025, section III-A.
     """
 
     def __init__(self, field: Field) -> None:

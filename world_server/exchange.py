@@ -5,8 +5,8 @@ a node with an open grant that carries that grant's number; everything else is c
 the sender's id, and dropped.
 """
 
+import math
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from queue import Empty, SimpleQueue
 from threading import TIMEOUT_MAX
@@ -20,7 +20,6 @@ from wire.messages import (
     Done,
     Event,
     Exited,
-    Facts,
     Fault,
     Finish,
     Notice,
@@ -30,19 +29,17 @@ from wire.messages import (
     Request,
     Senses,
     Started,
-    TruthBlock,
 )
 from wire.scenario import Scenario
 from world_server.clock import Befallen
+from world_server.observers import Observers
+from world_server.pace import Pace
 from world_server.strangers import process_behind
 
 START_WITHIN_S = 60.0
 ORDER_WITHIN_S = 30.0
 TOKEN_WITHIN_S = 5.0
-SHOW_EVERY_S = 0.1
-SHOW_AT_MOST = 500
 WATCHDOG_AT = (1, 3, 10)
-STRANGERS_TOLD = 10
 FAULT_VERBS = ("kill", "freeze", "thaw", "restart")
 
 
@@ -56,7 +53,6 @@ class LiveSwarm:
     def __init__(self, link: Link, book: Book, scenario: Scenario, write_event: Callable[[Event], None]) -> None:
         self.finishing = False
         self._scenario = scenario
-        self._write_event = write_event
         self._tick = 0
         self._queue: SimpleQueue = SimpleQueue()
         self._alive: set[str] = set()
@@ -66,14 +62,11 @@ class LiveSwarm:
         self._answers: dict[str, Action] = {}
         self._gone: dict[str, str] = {}
         self._wishes: list[tuple[Request, Callable[[bytes], None]]] = []
-        self._refusals: Counter = Counter()
         self._order = 0
         self._done: dict[int, Done] = {}
-        self._paused, self._steps = False, 0
-        self._pace = scenario.clock.rate if scenario.clock.kind == "paced" else None
-        self._pace_origin: tuple[int, float] | None = None
-        self._shown: list[Facts] = []
-        self._shown_at, self._block = 0.0, 0
+        self._pace = Pace(scenario.clock, scenario.tick_s)
+        self._observers = Observers(link, book.run, scenario.node_ids, write_event)
+        self.tell, self.show = self._observers.tell, self._observers.show
         self._known_sessions = {one.session for one in book.everyone} | {link.session_id}
         self._listen(link, book)
 
@@ -83,8 +76,6 @@ class LiveSwarm:
             node: link.publisher(channels.key(run, channels.PERCEPT, node)) for node in self._scenario.node_ids
         }
         self._orders = link.publisher(channels.key(run, channels.ORDER))
-        self._truth = link.publisher(channels.key(run, channels.TRUTH), droppable=True)
-        self._events = link.publisher(channels.key(run, channels.EVENT), droppable=True)
         link.subscribe(channels.key(run, channels.ACTION), lambda key, data: put((self._on_action, key, data)))
         link.subscribe(channels.key(run, channels.NOTICE), lambda _, data: put((self._on_notice, data)))
         link.watch_tokens(channels.key(run, channels.ALIVE), lambda key, alive: put((self._on_token, key, alive)))
@@ -157,24 +148,10 @@ class LiveSwarm:
         while self._wishes:
             wish, reply = self._wishes.pop(0)
             yield Befallen(Fault(tick, wish.verb, wish.node, wish.memory), False, self._answerer(wish, reply))
-        if self._steps:
-            self._steps -= 1
-
-    def tell(self, event: Event) -> None:
-        """Write an event down and tell observers."""
-        self._write_event(event)
-        self._events.put(codec.encode(event))
-
-    def show(self, facts: Facts) -> None:
-        """Collect facts and give them to observers a few times a second."""
-        self._shown.append(facts)
-        now = time.monotonic()
-        if now - self._shown_at > SHOW_EVERY_S or len(self._shown) >= SHOW_AT_MOST:
-            self._flush(now)
 
     def finish(self, tick: int) -> None:
         """Tell all nodes that it is over, and observers the last facts."""
-        self._flush(time.monotonic())
+        self._observers.flush()
         end = codec.encode(Percept(tick, 2**53, "end", Senses()))
         for node in self._alive & set(self._percepts):
             self._percepts[node].put(end)
@@ -197,38 +174,25 @@ class LiveSwarm:
         del self._open[node]
 
     def _refuse(self, node: str, why: str, data: bytes) -> None:
-        """Tell of the 1st, 10th, 100th ... refusal of a kind, so that a flood of garbage floods nothing else."""
-        count = self._told_of(node, why.split(":")[0])
-        if count:
-            text = f"an action of {node} was refused: {why}"
-            self.tell(Event(self._tick, "refused", node, text, {"bytes": len(data), "count": count}))
-
-    def _told_of(self, node: str, kind: str) -> int:
-        """Count one more of a kind: how many there were when they are to be told of now, else 0."""
-        self._refusals[node, kind] += 1
-        count = self._refusals[node, kind]
-        return count if str(count).strip("0") == "1" else 0
+        text = f"an action of {node} was refused: {why}"
+        self._observers.tell_some(self._tick, "refused", node, text, {"bytes": len(data)}, of=why.split(":")[0])
 
     def _on_token(self, key: str, alive: bool) -> None:
         node = channels.node_of(key)
         if not alive:
             return self._alive.discard(node)
         if node not in self._percepts:
-            count = self._told_of(node, "token")
             text = f"{node} is a spare without a body; it is ignored"
-            return self.tell(Event(self._tick, "refused", node, text, {"count": count})) if count else None
+            return self._observers.tell_some(self._tick, "refused", node, text, {})
         self._alive.add(node)
         if node in self._open:  # its link broke with a grant under way: put it again, it is idempotent
             self._percepts[node].put(self._open[node][1])
 
     def _on_session(self, session: str, address: str) -> None:
-        if session in self._known_sessions:
-            return
-        count = self._told_of("", "stranger")
-        if count or self._refusals["", "stranger"] <= STRANGERS_TOLD:
-            who = process_behind(address)
-            text = f"{who} joined with somebody's password, but not with their session: it has no rights"
-            self.tell(Event(self._tick, "stranger", "", text, {"session": session, "address": address}))
+        if session not in self._known_sessions:
+            text = f"{process_behind(address)} joined with somebody's password, but not with their session: no rights"
+            data = {"session": session, "address": address}
+            self._observers.tell_some(self._tick, "stranger", "", text, data)
 
     def _on_notice(self, data: bytes) -> None:
         try:
@@ -262,20 +226,8 @@ class LiveSwarm:
             return reply(codec.encode(Reply(False, f"not a request: {error}")))
         if request.verb in FAULT_VERBS:
             return self._wishes.append((request, reply))
-        reply(codec.encode(self._steer(request)))
-
-    def _steer(self, request: Request) -> Reply:
-        """Carry out a request that touches only the pace of time."""
-        match request.verb:
-            case "pause":
-                self._paused = True
-            case "resume":
-                self._paused, self._pace_origin = False, None
-            case "step":
-                self._paused, self._steps = True, self._steps + max(1, round(request.value))
-            case "speed":
-                self._pace, self._pace_origin = request.value or None, None
-        return Reply(True, request.verb, self._status())
+        self._pace.steer(request)
+        reply(codec.encode(Reply(True, request.verb, self._status())))
 
     # How
 
@@ -299,17 +251,15 @@ class LiveSwarm:
             self._take(time.monotonic())
 
     def _hold(self, tick: int) -> None:
-        """Let time stand still while paused, and until the pace allows this tick."""
-        while self._paused and not self._steps and not self._wishes and not self.finishing:
-            self._take(None)
-        if self._pace is None or self.finishing:
-            return
-        if self._pace_origin is None:
-            self._pace_origin = (tick, time.monotonic())
-        origin, began = self._pace_origin
-        due = began + (tick - origin) * self._scenario.tick_s / self._pace
-        while not self.finishing and not self._wishes and not self._paused and self._take(due):
-            pass
+        """Let time stand still until the pace allows this tick, or somebody wants something done."""
+        while not self.finishing and not self._wishes:
+            due_s = self._pace.due_s(tick, time.monotonic())
+            if due_s <= time.monotonic() or not self._take(None if due_s == math.inf else due_s):
+                break
+        late_s = self._pace.begin(tick, time.monotonic())
+        if late_s:
+            text = f"time runs {late_s:.1f} s behind the pace of {self._pace.rate:g} simulated seconds per second"
+            self._observers.tell_some(tick, "late", "", text, {"late_s": round(late_s, 3)}, of="pace")
 
     def _warn(self, waited_s: float) -> None:
         for node, (grant, _) in self._open.items():
@@ -339,8 +289,8 @@ class LiveSwarm:
             "tick": self._tick,
             "sim_s": self._tick * scenario.tick_s,
             "duration_s": scenario.duration_s,
-            "paused": self._paused,
-            "rate": self._pace,
+            "paused": self._pace.paused,
+            "rate": self._pace.rate,
             "alive": sorted(self._alive & set(self._percepts), key=channels.number_of),
             "waiting_for": list(self._open),
             "pids": self._pids,
@@ -348,9 +298,3 @@ class LiveSwarm:
 
     def _called(self, node: str) -> str:
         return f"{node} (pid {self._pids[node]})" if node in self._pids else node
-
-    def _flush(self, now: float) -> None:
-        if self._shown:
-            block = TruthBlock(self._block, self._scenario.node_ids, tuple(self._shown))
-            self._truth.put(codec.encode(block))
-            self._shown, self._shown_at, self._block = [], now, self._block + 1

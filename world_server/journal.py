@@ -70,7 +70,7 @@ def read(path: Path) -> Iterator[Header | Commit | End]:
     chain = b""
     for kind, expected, data in _records(path):
         try:
-            record = codec.decode(_KINDS[kind], data)
+            record = codec.decode(_KINDS[kind], data, at_most=len(data))
         except (codec.Malformed, IndexError) as error:
             raise JournalError(f"{path}: not a journal that this program can read: {error}") from None
         if kind == 0:

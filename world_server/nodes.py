@@ -75,7 +75,8 @@ class Node:
 
     def heard(self, tick: int) -> list[Letter]:
         """Letters that this node hears by `tick`, in order of tick, sender and place; the newest that fit."""
-        letters = sorted(letter for letter in self._letters if letter.heard_tick <= tick)[-self._inbox_frames :]
+        letters = sorted(letter for letter in self._letters if letter.heard_tick <= tick)
+        letters = letters[-self._inbox_frames :]
         room = INBOX_BYTES
         for newer, letter in enumerate(reversed(letters)):
             room -= len(letter.payload) + LETTER_BYTES
@@ -84,7 +85,7 @@ class Node:
         return letters
 
     def deliver(self, letter: Letter) -> None:
-        """Put a frame into the inbox; when it is full the oldest goes. What is still under way takes no place."""
+        """Put a frame into the inbox; when it is full the oldest goes. Frames under way take no place."""
         letters, most = self._letters, self._inbox_frames
         letters.append(letter)  # in order of hearing, as all frames of a run take equally long
         while len(letters) > most and letters[most].heard_tick <= letter.sent_tick + 1:

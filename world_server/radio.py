@@ -59,7 +59,8 @@ class Radio:
     def __init__(self, section: RadioSection, nodes: Sequence[str], seed: int, tick_s: float) -> None:
         self._nodes = nodes
         self._limit = section.bytes_per_tick
-        self._rules = [(rule, _make(place, rule, nodes, seed, tick_s)) for place, rule in enumerate(section.rules)]
+        numbered = enumerate(section.rules)
+        self._rules = [(rule, _make(place, rule, nodes, seed, tick_s)) for place, rule in numbered]
 
     def transmit(
         self, tick: int, outboxes: Mapping[int, Sequence[bytes]], apart_m: np.ndarray, deaf: Sequence[int] = ()
