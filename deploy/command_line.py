@@ -1,7 +1,10 @@
 """Every command of `picket` and its options."""
 
 import argparse
+import math
+from collections.abc import Callable
 from pathlib import Path
+from typing import NoReturn
 
 from deploy.compare import compare
 from deploy.operate import request
@@ -13,17 +16,26 @@ from deploy.scenario_file import shipped_scenarios
 from deploy.viewer import choose_mode, open_recording
 from wire.messages import Request
 
+Number = int | float
 DASHBOARDS = ("auto", "native", "web", "file", "off")
 
 
+class OneLineParser(argparse.ArgumentParser):
+    """Complains in one line, like all of Picket."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raises RunError."""
+        raise RunError(f"{message.removeprefix('argument ')}; see {self.prog} --help")
+
+
 def parse(arguments: list[str]) -> int:
-    """Parse a command line and carry it out; returns the exit code."""
+    """Parse a command line and carry it out; returns the exit code. Raises RunError among others."""
     given = _parser().parse_args(arguments)
     return given.do(given)
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="picket", description="Robot swarms as real processes, with real kills.")
+    parser = OneLineParser(prog="picket", description="Robot swarms as real processes, with real kills.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     _add_run(commands)
     for verb, words in {
@@ -49,9 +61,10 @@ def _parser() -> argparse.ArgumentParser:
     dashboard.add_argument("--mode", choices=("auto", "native", "web", "file"), default="auto")
     dashboard.set_defaults(do=_dashboard)
     bench = commands.add_parser("bench", help="what a lockstep tick costs, beside the bare wire")
-    bench.add_argument("--ticks", type=int, default=400, help="ticks of one measurement (default 400)")
-    bench.add_argument("--sizes", type=int, nargs="+", default=[1, 5, 15, 50], metavar="N")
-    bench.add_argument("--rounds", type=int, default=5, help="paired measurements of each size (default 5)")
+    some = _number(int, "a whole number >= 1", lambda value: value >= 1)
+    bench.add_argument("--ticks", type=some, default=400, help="ticks of one measurement (default 400)")
+    bench.add_argument("--sizes", type=some, nargs="+", default=[1, 5, 15, 50], metavar="N")
+    bench.add_argument("--rounds", type=some, default=5, help="paired measurements of each size (default 5)")
     bench.set_defaults(do=_bench)
     scenarios = commands.add_parser("scenarios", help="the scenarios that come with Picket")
     scenarios.set_defaults(do=_scenarios)
@@ -62,16 +75,17 @@ def _add_run(commands: argparse._SubParsersAction) -> None:
     run = commands.add_parser("run", help="run a scenario")
     words = "a file, or the name of a shipped scenario (default: area-patrol)"
     run.add_argument("scenario", metavar="SCENARIO", nargs="?", default="area-patrol", help=words)
-    run.add_argument("--seed", type=int)
-    run.add_argument("--until", type=float, metavar="SECONDS", help="end at this simulated time")
+    positive = _number(float, "a number > 0", lambda value: 0 < value < math.inf)
+    run.add_argument("--seed", type=_number(int, "a whole number >= 0", lambda value: value >= 0))
+    run.add_argument("--until", type=positive, metavar="SECONDS", help="end at this simulated time")
     run.add_argument("--set", action="append", default=[], metavar="key.path=value", dest="settings")
     run.add_argument("--clock", choices=("lockstep", "paced"))
-    run.add_argument("--rate", type=float, metavar="X", help="simulated seconds per second of the paced clock")
-    run.add_argument("--in-process", action="store_true", help="rehearse: all minds in this process, no Zenoh")
+    run.add_argument("--rate", type=positive, metavar="X", help="simulated seconds per second when paced")
+    run.add_argument("--in-process", action="store_true", help="rehearse: all minds in this process")
     run.add_argument("--faults-from", metavar="RUN", help="repeat all faults of that run, and no others")
     run.add_argument("--dashboard", choices=DASHBOARDS, default="auto")
     run.add_argument("--out", type=Path, metavar="DIR", help="where the run folder is made (default: runs)")
-    run.add_argument("--json", action="store_true", help="print summary.json and nothing else on standard output")
+    run.add_argument("--json", action="store_true", help="print summary.json and nothing else")
     run.set_defaults(do=run_scenario)
 
 
@@ -82,9 +96,28 @@ def _add_request(commands: argparse._SubParsersAction, verb: str, words: str) ->
         command.add_argument("node", metavar="NODE")
     if verb == "restart":
         command.add_argument("--memory", choices=("lost", "kept"), default="lost")
-    if verb in ("step", "speed"):
-        command.add_argument("value", type=float, metavar="TICKS" if verb == "step" else "X")
+    if verb == "step":
+        ticks = _number(int, "a whole number >= 1", lambda value: 1 <= value < 2**53)
+        command.add_argument("value", type=ticks, metavar="TICKS")
+    elif verb == "speed":
+        rate = _number(float, "a number >= 0", lambda value: 0 <= value < math.inf)
+        command.add_argument("value", type=rate, metavar="X")
     command.set_defaults(do=lambda given: _request(verb, given))
+
+
+def _number(kind: type[Number], words: str, right: Callable[[Number], bool]) -> Callable[[str], Number]:
+    """How to read an option that is a number; `words` say what is right."""
+
+    def read(text: str) -> Number:
+        try:
+            value = kind(text)
+        except ValueError:
+            value = math.nan
+        if not right(value):
+            raise argparse.ArgumentTypeError(f"must be {words}, got {text!r}")
+        return value
+
+    return read
 
 
 def _request(verb: str, given: argparse.Namespace) -> int:

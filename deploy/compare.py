@@ -3,13 +3,16 @@
 from itertools import zip_longest
 from pathlib import Path
 
-from world_server.journal import commits, read
-from world_server.records import Commit
+from world_server.journal import JournalError, commits, read
+from world_server.records import Commit, Header
 
 
 def compare(first: Path, second: Path) -> tuple[bool, str]:
-    """Whether two runs are equal, and a sentence that names the first tick and node that differ."""
-    headers = [next(read(folder / "journal")) for folder in (first, second)]
+    """Whether two runs are equal, and a sentence that names the first tick and node that differ.
+
+    Raises JournalError.
+    """
+    headers = [_header(folder / "journal") for folder in (first, second)]
     if headers[0].nodes != headers[1].nodes:
         return False, f"different teams: {', '.join(headers[0].nodes)} against {', '.join(headers[1].nodes)}"
     if headers[0].seed != headers[1].seed:
@@ -23,6 +26,14 @@ def compare(first: Path, second: Path) -> tuple[bool, str]:
             return False, f"they part at tick {min(one.tick, other.tick)}: {_difference(one, other)}"
         ticks += 1
     return True, f"equal: {ticks} commits, and every grant, action, delivery and fault in them"
+
+
+def _header(journal: Path) -> Header:
+    """How a journal begins. Raises JournalError."""
+    beginning = next(read(journal), None)
+    if not isinstance(beginning, Header):
+        raise JournalError(f"{journal}: has no beginning: it is empty or no journal")
+    return beginning
 
 
 def _difference(one: Commit, other: Commit) -> str:

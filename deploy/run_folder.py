@@ -4,6 +4,7 @@ What an operator needs to reach a live run, its password included, is not in the
 share, but in a private directory of the user's, and only while the run lasts.
 """
 
+import contextlib
 import json
 import os
 import tempfile
@@ -51,8 +52,9 @@ def new_folder(scenario: str, parent: Path | None) -> Path:
 def find_folder(run: str) -> Path:
     """The folder of a run given by path or id. Raises RunError."""
     for folder in (Path(run), RUNS / run):
-        if (folder / "journal").is_file():
-            return folder
+        with contextlib.suppress(OSError):  # a name that no folder can have
+            if (folder / "journal").is_file():
+                return folder
     for live in live_runs():
         if Path(live.folder).name == run:
             return Path(live.folder)
@@ -92,9 +94,12 @@ def find_live(run: str) -> LiveRun:
 
 
 def summary_of(folder: Path) -> dict | None:
-    """A finished run's summary, or None."""
+    """A finished run's summary, or None. Raises RunError when it is damaged."""
     place = folder / "summary.json"
-    return json.loads(place.read_text("utf-8")) if place.is_file() else None
+    try:
+        return json.loads(place.read_text("utf-8")) if place.is_file() else None
+    except ValueError as error:
+        raise RunError(f"{place}: is damaged: {error}") from None
 
 
 def _private() -> Path:

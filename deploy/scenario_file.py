@@ -17,6 +17,7 @@ from wire.scenario import Partition, Poses, Scenario
 
 MAX_TICKS = 2**32 - 1  # times of visits travel as uint32
 MAX_SITES = 2**16  # and their sites as uint16
+WORDS = {"float": "a number", "int": "a whole number", "str": "text", "array": "a list", "object": "a table"}
 SHIPPED = Path(__file__).parent / "scenarios"
 
 
@@ -37,6 +38,8 @@ def find_scenario(name: str) -> Path:
     if name in shipped_scenarios():
         return shipped_scenarios()[name]
     path = Path(name)
+    if not name:
+        raise ScenarioError("the name of the scenario is empty; `picket scenarios` lists the shipped ones")
     try:
         if path.is_dir():
             raise ScenarioError(f"{name}: is a directory; give a scenario file")
@@ -125,8 +128,16 @@ def _explain(error: str, document: Any, kind: Any = Scenario) -> str:
     value = document
     for one in names:
         value = value[one]
-    words = what.replace("Expected", "must be").replace("Invalid", "is an invalid")
+    choices = _choices_at(kind, names)
+    if what.startswith("Invalid") and choices:
+        what = f"must be {' or '.join(choices)}"
+    words = re.sub("`([a-z |]+)`", _in_words, re.sub(", got `.*`$", "", what)).replace("Expected", "must be")
     return f"{field} {words}, got {value!r}".replace("`", "").lstrip()
+
+
+def _in_words(types: re.Match) -> str:
+    """msgspec's names of types as an operator calls them."""
+    return " or ".join(WORDS.get(one, one) for one in types.group(1).split(" | ") if one != "null")
 
 
 def _unknown(name: str, field: str, kind: Any, names: list[str | int]) -> str:
@@ -138,29 +149,39 @@ def _unknown(name: str, field: str, kind: Any, names: list[str | int]) -> str:
 
 def _fields_at(kind: Any, names: list[str | int]) -> list[str]:
     """Names of the fields that may stand at a place of the schema; all variants of a union together."""
+    return [field for one in _kinds_at(kind, names) if _is_struct(one) for field in one.__struct_fields__]
+
+
+def _choices_at(kind: Any, names: list[str | int]) -> list[str]:
+    """The words that may stand at a place of the schema, where only some may."""
+    tagged = [one.__struct_config__ for one in _kinds_at(kind, names[:-1]) if _is_struct(one)]
+    tags = [one.tag for one in tagged if names and one.tag_field == names[-1]]
+    return tags or [one for one in _kinds_at(kind, names) if isinstance(one, str)]
+
+
+def _kinds_at(kind: Any, names: list[str | int]) -> list[Any]:
+    """The types, or the words, that may stand at a place of the schema."""
     kinds = [kind]
     for name in names:
         found = [_inside(one, name) for one in _variants(kinds)]
         kinds = [one for one in found if one is not None]
-    return [
-        field
-        for one in _variants(kinds)
-        if isinstance(one, type) and issubclass(one, msgspec.Struct)
-        for field in one.__struct_fields__
-    ]
+    return _variants(kinds)
+
+
+def _is_struct(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, msgspec.Struct)
 
 
 def _variants(kinds: list[Any]) -> list[Any]:
     flat = []
     for kind in kinds:
         inner = [one for one in get_args(kind) if one is not Ellipsis]
-        is_struct = isinstance(kind, type) and issubclass(kind, msgspec.Struct)
-        flat += [kind] if is_struct or not inner else _variants(inner)
+        flat += [kind] if _is_struct(kind) or not inner else _variants(inner)
     return flat
 
 
 def _inside(kind: Any, name: str | int) -> Any:
-    if isinstance(name, int) or not (isinstance(kind, type) and issubclass(kind, msgspec.Struct)):
+    if isinstance(name, int) or not _is_struct(kind):
         return kind
     hints = {field.name: field.type for field in msgspec.structs.fields(kind)}
     return hints.get(name)
@@ -190,6 +211,8 @@ def _check(scenario: Scenario, source: str) -> None:
     for node in (scenario.tower.id, *(scenario.robots.ids or ())):
         if number_of(node) in numbers:
             other = numbers[number_of(node)]
+            if node == other:
+                refuse(f"robots.ids: there are two nodes {node}; ids are unique")
             refuse(f"robots.ids: {node} and {other} share the number {number_of(node)}; numbers are unique")
         numbers[number_of(node)] = node
     _check_sizes(scenario, refuse)

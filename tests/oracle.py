@@ -2,8 +2,9 @@
 
 It shares no code with the world's motion, radio, inboxes or visits, and works in plain numbers, one pair of
 nodes after the other. Only the draws of the loss rule are taken from the world's generator: a matrix
-(frames, nodes) keyed by "loss", the sender's number and the tick; a frame is lost where its draw is smaller
-than the probability. Whatever differs is an AssertionError that names the tick and the node.
+(frames, nodes) keyed by "loss", the sender's number, the tick and the rule's place in the list; a frame is
+lost where its draw is smaller than the probability. Whatever differs is an AssertionError that names the tick
+and the node.
 """
 
 import math
@@ -39,6 +40,10 @@ class Robot:
         self.name = name
         self.x, self.y, self.heading = pose
         self.goal: GoTo | None = None
+        self.errand: GoTo | None = None
+        """The goal it died with, which a mind with its memory kept still has."""
+        self.sent = False
+        """Was it told to move since its last visit?"""
         self.mode = ALIVE
         self.newborn = True
         self.mail: list[Mail] = []
@@ -52,7 +57,7 @@ class Robot:
         return self.mode == ALIVE and (self.newborn or by_time or by_frame)
 
     def drive(self, speed: float, turn: float, tick_s: float) -> None:
-        """Turn towards the goal as far as a tick allows; once it is ahead, go there as far as a tick allows."""
+        """Turn to the goal as far as a tick allows; once it is ahead, go as far as a tick allows."""
         if self.goal is None or speed == 0:
             return
         ahead_x, ahead_y = self.goal.x_m - self.x, self.goal.y_m - self.y
@@ -94,7 +99,11 @@ class Oracle:
         self._check_gap(tick)
         for fault in facts.faults:
             self._befall(fault)
-        self._same(tick, "visits", list(facts.visits), self._visits())
+        visits = self._visits()
+        self._same(tick, "visits", list(facts.visits), visits)
+        for node, _ in visits:
+            self._robot(node).sent = False
+        self.counts["visits"] += len(visits)
         due = [robot.name for robot in self._team if robot.due(tick)]
         self._same(tick, "who is granted", [grant.node for grant in commit.grants], due)
         for grant, action in zip(commit.grants, commit.actions, strict=True):
@@ -106,36 +115,42 @@ class Oracle:
             robot.drive(robots.max_speed_m_s if moves else 0.0, robots.max_turn_rad_s, self.scenario.tick_s)
         self._check_poses(tick, facts.poses)
         self._same(tick, "modes", list(facts.modes), [robot.mode for robot in self._team])
-        outboxes = {grant.node: action.outbox for grant, action in zip(commit.grants, commit.actions, strict=True)}
+        outboxes = {
+            grant.node: action.outbox for grant, action in zip(commit.grants, commit.actions, strict=True)
+        }
         self._check_deliveries(commit, self._deliveries(tick, outboxes))
         self._tick = tick
 
     def _check_gap(self, tick: int) -> None:
         """Ticks without a commit are those in which nobody moved and nobody was due."""
         for missed in range(self._tick + 1, tick):
-            resting = all(one.goal is None or (one.goal.x_m, one.goal.y_m) == (one.x, one.y) for one in self._team)
-            assert resting and not any(robot.due(missed) for robot in self._team), f"tick {missed} was left out"
+            resting = all(
+                one.goal is None or (one.goal.x_m, one.goal.y_m) == (one.x, one.y) for one in self._team
+            )
+            nothing = resting and not self._visits() and not any(robot.due(missed) for robot in self._team)
+            assert nothing, f"tick {missed} was left out"
 
     def _befall(self, fault: Fault) -> None:
         robot = self._robot(fault.node)
         robot.mode = {"kill": DEAD, "freeze": FROZEN, "thaw": ALIVE, "restart": ALIVE}[fault.verb]
         if fault.verb == "kill":
-            robot.goal, robot.mail, robot.wake_tick, robot.wake_on = None, [], None, 0
+            robot.goal, robot.errand = None, robot.goal
+            robot.mail, robot.wake_tick, robot.wake_on = [], None, 0
         elif fault.verb == "restart":
-            robot.wake_tick, robot.newborn = fault.tick, fault.memory == "lost"
+            robot.wake_tick, robot.newborn = fault.tick, robot.newborn or fault.memory == "lost"
+            robot.goal = robot.errand if fault.memory == "kept" else None
         self.counts[fault.verb] += 1
 
     def _visits(self) -> list[tuple[str, int]]:
-        """Who stands within reach of the site it is heading for, the dead and the frozen left out."""
+        """Who is for the first time within reach of the site it was sent to; only the living count."""
         sites, within = self.scenario.field.sites_m(), self.scenario.field.visit_within_m
         found = []
         for robot in self._team:
-            if robot.mode == ALIVE and robot.goal is not None:
+            if robot.mode == ALIVE and robot.goal is not None and robot.sent:
                 for site, (x, y) in enumerate(sites):
                     own = (robot.goal.x_m, robot.goal.y_m) == (x, y)
                     if own and math.sqrt((x - robot.x) ** 2 + (y - robot.y) ** 2) <= within:
                         found.append((robot.name, site))
-        self.counts["visits"] += len(found)
         return found
 
     def _check_grant(self, tick: int, grant: Grant) -> None:
@@ -155,9 +170,12 @@ class Oracle:
     def _take(action: Action, robot: Robot) -> None:
         if action.motion is not None:
             robot.goal = None if isinstance(action.motion, Stay) else action.motion
+            robot.sent = True
         robot.wake_tick, robot.wake_on = action.wake_tick, action.wake_on
 
-    def _deliveries(self, tick: int, outboxes: dict[str, tuple[bytes, ...]]) -> list[tuple[int, int, int, int]]:
+    def _deliveries(
+        self, tick: int, outboxes: dict[str, tuple[bytes, ...]]
+    ) -> list[tuple[int, int, int, int]]:
         """(sender row, place in the outbox, receiver row, tick at which it is heard), sender by sender."""
         through = []
         for row, sender in enumerate(self._team):
@@ -174,18 +192,22 @@ class Oracle:
                         through += [(row, index, other, tick + delay)] if delay else []
         for row, index, other, heard_tick in through:
             self._team[other].mail.append(Mail(heard_tick, tick, row, index))
-            assert len(self._team[other].mail) <= self.scenario.radio.inbox_frames, "this oracle has no full inboxes"
+            assert len(self._team[other].mail) <= self.scenario.radio.inbox_frames, (
+                "this oracle has no full inboxes"
+            )
         return through
 
     def _delay(self, tick: int, index: int, row: int, other: int) -> int:
         """Ticks until a frame is heard, 0 for never: the first rule that does not let it pass decides."""
-        for rule in self.scenario.radio.rules:
+        for place, rule in enumerate(self.scenario.radio.rules):
             match rule:
                 case Range(range_m=range_m) if self._apart(row, other) > range_m:
                     self.counts["out of range"] += 1
                     return 0
                 case Loss(probability=probability):
-                    draws = generator(self.scenario.seed, "loss", number_of(self._team[row].name), tick)
+                    draws = generator(
+                        self.scenario.seed, "loss", number_of(self._team[row].name), tick, place
+                    )
                     if draws.random((index + 1, len(self._team)))[index, other] < probability:
                         self.counts["lost by chance"] += 1
                         return 0
@@ -204,8 +226,10 @@ class Oracle:
         now = tick * self.scenario.tick_s
         if now < rule.from_s or (rule.until_s is not None and now >= rule.until_s):
             return False
-        groups = [{number for number, group in enumerate(rule.groups) if self._team[one].name in group}
-                  for one in (row, other)]
+        groups = [
+            {number for number, group in enumerate(rule.groups) if self._team[one].name in group}
+            for one in (row, other)
+        ]
         return groups[0] != groups[1]
 
     def _check_deliveries(self, commit: Commit, expected: list[tuple[int, int, int, int]]) -> None:
@@ -225,8 +249,11 @@ class Oracle:
 
     @staticmethod
     def _near(tick: int, node: str, pose: tuple[float, ...], robot: Robot) -> None:
-        off = max(abs(pose[0] - robot.x), abs(pose[1] - robot.y),
-                  abs(math.remainder(pose[2] - robot.heading, math.tau)))
+        off = max(
+            abs(pose[0] - robot.x),
+            abs(pose[1] - robot.y),
+            abs(math.remainder(pose[2] - robot.heading, math.tau)),
+        )
         own = (robot.x, robot.y, robot.heading)
         assert off <= NEAR, f"tick {tick}, {node}: the world says {pose}, the oracle {own}"
 

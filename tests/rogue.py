@@ -1,7 +1,8 @@
 """A rogue client, in a process of its own: tries everything on every key and tells what came of it.
 
-`python -m tests.rogue FD`: FD holds a Plan. It speaks Zenoh directly, as an attacker would. Its standard output
-is JSON lines: whether it joined, when its attempts are over, and, after a line on its standard input, what it heard.
+`python -m tests.rogue FD`: FD holds a Plan. It speaks Zenoh directly, as an attacker would. Its standard
+output is JSON lines: whether it joined, when its attempts are over, and, after a line on its standard input,
+what it heard.
 """
 
 import contextlib
@@ -14,7 +15,20 @@ import zenoh
 
 from wire import codec
 from wire.credentials import Credential, receive
-from wire.messages import Action, Done, Exited, Fault, Finish, GoTo, Order, Percept, Pose, Request, Senses, Started
+from wire.messages import (
+    Action,
+    Done,
+    Exited,
+    Fault,
+    Finish,
+    GoTo,
+    Order,
+    Percept,
+    Pose,
+    Request,
+    Senses,
+    Started,
+)
 
 CONNECT_WITHIN_MS = 4000
 FORGED_TICKS = range(600)
@@ -22,7 +36,7 @@ FORGED_TICKS = range(600)
 
 
 class Plan(msgspec.Struct):
-    """What a rogue is given: where the run is, who to pretend to be, whom to harm, what it may say as itself."""
+    """Where the run is, who to pretend to be, whom to harm, and what to say as itself."""
 
     run: str
     endpoint: str
@@ -77,18 +91,37 @@ class Rogue:
     def listen(self) -> None:
         """Subscribe to everything in every way there is."""
         run = f"picket/{self.plan.run}"
-        keys = ["**", "picket/**", f"{run}/**", f"{run}/node/*/percept", f"{run}/node/*/action", f"{run}/world/*",
-                f"{run}/world/truth", f"{run}/world/event", f"{run}/supervisor/*", f"{run}/supervisor/order",
-                f"{run}/supervisor/done", f"{run}/control"]
-        keys += [f"{run}/node/{node}/{what}" for node in self.plan.victims for what in ("percept", "action", "alive")]
+        keys = [
+            "**",
+            "picket/**",
+            f"{run}/**",
+            f"{run}/node/*/percept",
+            f"{run}/node/*/action",
+            f"{run}/world/*",
+            f"{run}/world/truth",
+            f"{run}/world/event",
+            f"{run}/supervisor/*",
+            f"{run}/supervisor/order",
+            f"{run}/supervisor/done",
+            f"{run}/control",
+        ]
+        keys += [
+            f"{run}/node/{node}/{what}"
+            for node in self.plan.victims
+            for what in ("percept", "action", "alive")
+        ]
         keys += [f"{run}/node/{self.plan.own_node}/percept"] if self.plan.own_node else []
         for key in keys:
-            self._kept.append(self.session.declare_subscriber(key, self._hear, allowed_origin=zenoh.Locality.REMOTE))
+            self._kept.append(
+                self.session.declare_subscriber(key, self._hear, allowed_origin=zenoh.Locality.REMOTE)
+            )
         for key in ("**", f"{run}/**", f"{run}/node/*/alive"):
             token = self.session.liveliness().declare_subscriber(key, self._hear_token, history=True)
             self._kept.append(token)
         for key in (f"{run}/control", "**"):
-            queryable = self.session.declare_queryable(key, self._hear_query, allowed_origin=zenoh.Locality.REMOTE)
+            queryable = self.session.declare_queryable(
+                key, self._hear_query, allowed_origin=zenoh.Locality.REMOTE
+            )
             self._kept.append(queryable)
 
     def forge(self) -> None:
@@ -97,7 +130,10 @@ class Rogue:
         end = codec.encode(Percept(1, 2**53, "end", Senses()))
         for victim in self.plan.victims:
             for tick in FORGED_TICKS:
-                put(f"{run}/node/{victim}/action", codec.encode(Action(tick, tick, GoTo(0.0, 0.0), (b"lies",), tick + 1)))
+                put(
+                    f"{run}/node/{victim}/action",
+                    codec.encode(Action(tick, tick, GoTo(0.0, 0.0), (b"lies",), tick + 1)),
+                )
             put(f"{run}/node/{victim}/action", b"\xff garbage")
             grant = codec.encode(Percept(1, 1, "wake", Senses(Pose(0.0, 0.0, 0.0))))
             for forged in (grant, end):
@@ -115,7 +151,7 @@ class Rogue:
             self.session.delete(f"{run}/{key}")
 
     def speak(self) -> None:
-        """Say what this rogue may say: whatever bytes the test wants, on its own key, and take its own token."""
+        """Take its own token and say, on its own key, whatever bytes the test wants."""
         if not self.plan.own_node:
             return
         own = f"picket/{self.plan.run}/node/{self.plan.own_node}"
@@ -147,7 +183,9 @@ class Rogue:
         self._kept.append(self.session.liveliness().declare_token(key))
 
     def _query(self, selector: str, data: bytes) -> None:
-        for reply in self.session.get(selector, payload=data, timeout=1.0, allowed_destination=zenoh.Locality.REMOTE):
+        for reply in self.session.get(
+            selector, payload=data, timeout=1.0, allowed_destination=zenoh.Locality.REMOTE
+        ):
             if reply.ok is not None:
                 self.replies.append(str(reply.ok.key_expr))
 
@@ -164,10 +202,18 @@ class Rogue:
 
 
 def _config(plan: Plan) -> zenoh.Config:
-    settings = {"mode": "client", "connect/endpoints": [plan.endpoint], "connect/timeout_ms": CONNECT_WITHIN_MS,
-                "scouting/multicast/enabled": False, "scouting/gossip/enabled": False}
+    settings = {
+        "mode": "client",
+        "connect/endpoints": [plan.endpoint],
+        "connect/timeout_ms": CONNECT_WITHIN_MS,
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+    }
     if plan.credential is not None:
-        settings["transport/auth/usrpwd"] = {"user": plan.credential.user, "password": plan.credential.password}
+        settings["transport/auth/usrpwd"] = {
+            "user": plan.credential.user,
+            "password": plan.credential.password,
+        }
         settings["id"] = plan.credential.session
     config = zenoh.Config()
     for path, value in settings.items():

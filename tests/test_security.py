@@ -19,7 +19,7 @@ from deploy.launcher import Launcher
 from deploy.recorder import events
 from deploy.rehearsal import rehearse
 from deploy.scenario_file import load_scenario, to_toml
-from tests.live import PATIENCE_S, ROOT, wait_until
+from tests.live_runs import DEADLINE_S, run_folder, until
 from tests.rogue import Plan
 from wire import channels, codec
 from wire.credentials import OBSERVERS, OPERATOR, SUPERVISOR, Book, Credential, fresh, hand_over
@@ -49,7 +49,7 @@ class Process:
         descriptor = hand_over(msgspec.msgpack.encode(plan))
         command = [sys.executable, "-m", "tests.rogue", str(descriptor)]
         pipe = subprocess.PIPE
-        self._popen = subprocess.Popen(command, cwd=ROOT, pass_fds=[descriptor], stdin=pipe, stdout=pipe, text=True)
+        self._popen = subprocess.Popen(command, pass_fds=[descriptor], stdin=pipe, stdout=pipe, text=True)
         os.close(descriptor)
         self.told: dict[str, Any] = {"pid": self._popen.pid}
 
@@ -93,6 +93,7 @@ class Siege(NamedTuple):
 
 def rogues_of(book: Book) -> dict[str, Plan]:
     """Every rogue by name; all of them try everything."""
+
     def plan(credential: Credential | None, own: str = "", say: tuple[bytes, ...] = ()) -> Plan:
         return Plan(book.run, book.endpoint, credential, VICTIMS, own, say)
 
@@ -123,16 +124,16 @@ def garbage() -> tuple[bytes, ...]:
 
 def attack(launcher: Launcher, ticks: list[int], folder: Path) -> dict[str, Any]:
     """Let all rogues loose on a live run; returns what was seen."""
-    wait_until(lambda: ticks, "the first tick")
+    until(lambda: ticks, "the first tick")
     plans = rogues_of(launcher.book)
     rogues = {name: Process(plan) for name, plan in plans.items()}
     try:
         joined = [one for one in rogues.values() if one.read()["joined"]]
         for one in joined:
             one.read()
-        until = ticks[-1] + LISTENING_TICKS
-        wait_until(lambda: ticks[-1] >= until, "the run to go on")
-        wait_until(lambda: refusals(folder, 100), "the world to have had all of the spare's garbage")
+        enough = ticks[-1] + LISTENING_TICKS
+        until(lambda: ticks[-1] >= enough, "the run to go on")
+        until(lambda: refusals(folder, 100), "the world to have had all of the spare's garbage")
         seen = {"sockets": sockets(launcher), "public": public_files(launcher)}
         for one in joined:
             one.stop()
@@ -142,14 +143,17 @@ def attack(launcher: Launcher, ticks: list[int], folder: Path) -> dict[str, Any]
     operator_file = next((folder.parent / "private").glob("picket-*/*.json"))
     modes = tuple(stat.S_IMODE(place.stat().st_mode) for place in (operator_file, operator_file.parent))
     alive = hurry(launcher.book)
-    return seen | {"rogues": {name: one.told for name, one in rogues.items()}, "operator_file": modes,
-                   "alive_after": alive}
+    return seen | {
+        "rogues": {name: one.told for name, one in rogues.items()},
+        "operator_file": modes,
+        "alive_after": alive,
+    }
 
 
 def hurry(book: Book) -> list[str]:
     """Let the run go on as fast as it can; returns who is alive."""
     link = open_client(book.ticket(OPERATOR))
-    answer = link.ask(channels.key(book.run, channels.CONTROL), codec.encode(Request("speed")), PATIENCE_S)
+    answer = link.ask(channels.key(book.run, channels.CONTROL), codec.encode(Request("speed")), DEADLINE_S)
     link.close()
     return codec.decode(Reply, answer).data["alive"]
 
@@ -161,7 +165,9 @@ def refusals(folder: Path, count: int) -> list[dict[str, Any]]:
 
 def sockets(launcher: Launcher) -> dict[str, list[Any]]:
     """Every socket of every process of a run, of whatever family."""
-    return {name: psutil.Process(child.pid).net_connections("all") for name, _, child, _ in launcher.processes}
+    return {
+        name: psutil.Process(child.pid).net_connections("all") for name, _, child, _ in launcher.processes
+    }
 
 
 def public_files(launcher: Launcher) -> dict[str, bytes]:
@@ -179,9 +185,7 @@ def siege(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Siege]:
     place = tmp_path_factory.mktemp("siege")
     (place / "siege.toml").write_text(SCENARIO)
     scenario = load_scenario(place / "siege.toml")
-    folder = place / "besieged"
-    (folder / "logs").mkdir(parents=True)
-    (folder / "scenario.toml").write_text(to_toml(scenario))
+    folder = run_folder(place, "besieged", scenario)
     (place / "private").mkdir(mode=0o700)
     ticks: list[int] = []
     with pytest.MonkeyPatch.context() as patch:
@@ -232,7 +236,7 @@ def test_what_a_spare_says_on_its_own_key_is_an_event_with_its_id(siege: Siege) 
 
 
 def test_nothing_but_the_spares_own_words_reached_the_world(siege: Siege) -> None:
-    kinds = {one["kind"] for one in siege.events}
+    kinds = {one["kind"] for one in siege.events} - {"late", "watchdog"}  # a busy machine may be told of
     assert kinds == {"refused", "stranger", "end"}
 
 
@@ -244,7 +248,9 @@ def test_a_borrowed_password_is_reported_with_the_process_that_uses_it(siege: Si
     told = [one["text"] for one in siege.events if one["kind"] == "stranger"]
     assert len(told) == 2
     for rogue in ("thief", "thief of the launcher"):
-        assert any(f"process {siege.rogues[rogue]['pid']} (" in text and "tests.rogue" in text for text in told)
+        assert any(
+            f"process {siege.rogues[rogue]['pid']} (" in text and "tests.rogue" in text for text in told
+        )
 
 
 def test_an_agent_process_holds_no_socket_but_its_link(siege: Siege) -> None:
@@ -261,9 +267,11 @@ def test_nothing_of_a_run_listens_beyond_loopback(siege: Siege) -> None:
 
 
 def test_no_secret_is_in_a_command_line_an_environment_or_the_run_folder(siege: Siege) -> None:
-    places = siege.public | {str(place): place.read_bytes() for place in siege.folder.rglob("*") if place.is_file()}
-    places["journal, expanded"] = zstandard.ZstdDecompressor().decompressobj().decompress(
-        (siege.folder / "journal").read_bytes()
+    places = siege.public | {
+        str(place): place.read_bytes() for place in siege.folder.rglob("*") if place.is_file()
+    }
+    places["journal, expanded"] = (
+        zstandard.ZstdDecompressor().decompressobj().decompress((siege.folder / "journal").read_bytes())
     )
     assert len(places) > 15
     for one in siege.book.everyone:

@@ -1,5 +1,6 @@
 """The lockstep clock: the only code that makes time go on. The same for processes and for the rehearsal."""
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple, Protocol
 
@@ -61,6 +62,7 @@ class Clock:
         self._journal = journal
         self._plan = planned_faults(world.scenario)
         self._last_tick = last_tick
+        self._oversize: Counter = Counter()
 
     def run(self) -> tuple[int, bool]:
         """Run to the end. Returns the last tick that was committed, and whether the mission was completed."""
@@ -83,6 +85,17 @@ class Clock:
         commit = self._world.commit(tick, percepts, actions, tuple(faults))
         self._journal.append(commit)
         self._swarm.show(commit.facts)
+        for node, frames in self._world.oversize.items():
+            self._tell_oversize(tick, node, frames)
+
+    def _tell_oversize(self, tick: int, node: str, frames: int) -> None:
+        """What is too long is never silence: the 1st, 10th, 100th ... tick of a sender is an event."""
+        self._oversize[node] += 1
+        count = self._oversize[node]
+        if str(count).strip("0") == "1":
+            limit = self._world.scenario.radio.bytes_per_tick
+            text = f"frames of {node} were refused: {frames} did not fit into {limit} bytes per tick"
+            self._swarm.tell(Event(tick, "oversize", node, text, {"frames": frames, "count": count}))
 
     def _after(self, tick: int) -> int:
         """The next tick at which anything happens, a planned fault and the end included."""

@@ -247,7 +247,8 @@ class LiveSwarm:
         return True
 
     def _drain(self) -> None:
-        while not self._queue.empty():
+        """Handle what is there now, not what a flood goes on adding meanwhile."""
+        for _ in range(self._queue.qsize()):
             self._take(time.monotonic())
 
     def _hold(self, tick: int) -> None:

@@ -12,7 +12,12 @@ def process_behind(address: str) -> str:
     for place in Path("/proc").glob("[0-9]*/fd/*"):
         try:
             if os.readlink(place) == socket:
-                command = (place.parents[1] / "cmdline").read_bytes().replace(b"\0", b" ").decode("utf-8", "replace")
+                command = (
+                    (place.parents[1] / "cmdline")
+                    .read_bytes()
+                    .replace(b"\0", b" ")
+                    .decode("utf-8", "replace")
+                )
                 return f"process {place.parts[2]} ({command.strip()[:SHOWN]}) at {address}"
         except OSError:  # it has ended, or is another user's
             continue

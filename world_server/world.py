@@ -31,6 +31,8 @@ class World:
         self._radio = radio.for_scenario(scenario)
         self._sites = Sites(scenario.field)
         self._refs: dict[str, tuple[FrameRef, ...]] = {}
+        self.oversize: dict[str, int] = {}
+        """How many frames the radio refused for the byte limit in the last commit, by sender."""
         self._measure()
 
     def poses(self) -> np.ndarray:
@@ -175,6 +177,7 @@ class World:
         deliveries, refused, tally = self._radio.transmit(tick, outboxes, self._apart_m, deaf)
         for row, count in refused.items():
             self._rows[row].refused_frames = count
+        self.oversize = {self.names[row]: count for row, count in refused.items()}
         columns = zip(*(column.tolist() for column in deliveries), strict=True)
         for sender, index, receiver, heard_tick in columns:
             letter = Letter(heard_tick, tick, sender, index, outboxes[sender][index])
