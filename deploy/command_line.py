@@ -48,9 +48,10 @@ def _parser() -> argparse.ArgumentParser:
     dashboard.add_argument("--mode", choices=("auto", "native", "web", "file"), default="auto")
     dashboard.set_defaults(do=lambda given: open_recording(find_folder(given.run), given.mode))
     bench = commands.add_parser("bench", help="what a lockstep tick costs, beside the bare wire")
-    bench.add_argument("--ticks", type=int, default=400, help="ticks of one measurement (default 400)")
-    bench.add_argument("--sizes", type=int, nargs="+", default=[1, 5, 15, 50], metavar="N")
-    bench.add_argument("--rounds", type=int, default=5, help="paired measurements of each size (default 5)")
+    bench.add_argument("--ticks", type=int, default=200, help="ticks of one block (default 200)")
+    bench.add_argument("--sizes", type=int, nargs="+", default=[1, 5, 15, 50], metavar="N",
+                       help="numbers of nodes, the tower counted (default 1 5 15 50)")
+    bench.add_argument("--rounds", type=int, default=7, help="pairs of blocks for each size (default 7)")
     bench.set_defaults(do=_bench)
     scenarios = commands.add_parser("scenarios", help="the scenarios that come with Picket")
     scenarios.set_defaults(do=_scenarios)

@@ -286,16 +286,21 @@ class LiveSwarm:
 
     def _hold(self, tick: int) -> None:
         """Let time stand still while paused, and until the pace allows this tick."""
-        while self._paused and not self._steps and not self._wishes and not self.finishing:
-            self._take(None)
-        if self._pace is None or self.finishing:
-            return
+        while not self.finishing and not self._wishes:
+            if self._paused:
+                if self._steps:
+                    return
+                self._flush(time.monotonic())  # observers of a run that stands still see where it stands
+                self._take(None)
+            elif self._pace is None or not self._take(self._due(tick)):
+                return
+
+    def _due(self, tick: int) -> float:
+        """When the pace allows this tick."""
         if self._pace_origin is None:
             self._pace_origin = (tick, time.monotonic())
         origin, began = self._pace_origin
-        due = began + (tick - origin) * self._scenario.tick_s / self._pace
-        while not self.finishing and not self._wishes and not self._paused and self._take(due):
-            pass
+        return began + (tick - origin) * self._scenario.tick_s / self._pace
 
     def _warn(self, waited_s: float) -> None:
         for node, (grant, _) in self._open.items():
