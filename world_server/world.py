@@ -31,6 +31,7 @@ class World:
         self._radio = radio.for_scenario(scenario)
         self._sites = Sites(scenario.field)
         self._refs: dict[str, tuple[FrameRef, ...]] = {}
+        self._sensor_ranges_m = np.array([node.sensor_range_m for node in self._rows])
         self._measure()
 
     def poses(self) -> np.ndarray:
@@ -42,7 +43,7 @@ class World:
         self._refs = {}
         granted = {}
         for row, node in enumerate(self._rows):
-            seen = _names(self._sight(row)) if node.watches else None
+            seen = _names(self._in_sight[row]) if node.watches else None
             why = node.due(tick, seen)
             if why is not None:
                 granted[node.name] = self._percept(tick, row, why)
@@ -114,7 +115,7 @@ class World:
     def _percept(self, tick: int, row: int, why: str) -> Percept:
         node, letters = self._rows[row], self._rows[row].heard(tick)
         names = self.names
-        senses = Senses(node.body.pose, self._sight(row), None, node.refused_frames)
+        senses = Senses(node.body.pose, self._in_sight[row], None, node.refused_frames)
         self._refs[node.name] = tuple(FrameRef(names[one.sender], one.sent_tick, one.index) for one in letters)
         inbox = tuple(Frame(names[one.sender], one.sent_tick, one.payload) for one in letters)
         configuration = self._configuration(node) if why == "start" else None
@@ -143,12 +144,10 @@ class World:
             name, percept.grant, percept.why, percept.senses, self._refs[name], percept.configuration
         )
 
-    def _sight(self, row: int) -> tuple[Sighting, ...]:
-        return sightings(self.names, row, self._positions_m, self._apart_m, self._rows[row].sensor_range_m)
-
     def _measure(self) -> None:
-        self._positions_m = self.poses()[:, :2]
-        self._apart_m = radio.distances_m(self._positions_m)
+        positions_m = self.poses()[:, :2]
+        self._apart_m = radio.distances_m(positions_m)
+        self._in_sight = sightings(self.names, positions_m, self._apart_m, self._sensor_ranges_m)
 
     def _settle(self) -> None:
         for node in self._rows:
