@@ -2,20 +2,22 @@
 
 from typing import NamedTuple
 
-from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, WAKE_ON_SENSOR, Action, Why
+from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, WAKE_ON_SENSOR, Action, Frame, Why
 from world_server.motion import Body
+from world_server.records import FrameRef
 
 ALIVE, FROZEN, DEAD = 0, 1, 2
 
 
 class Letter(NamedTuple):
-    """A frame on its way to one receiver: sender's row and place in its outbox, and when it is heard."""
+    """A frame on its way: when it is heard, sender's row and place in its outbox. Receivers share it."""
 
     heard_tick: int
     sent_tick: int
     sender: int
     index: int
-    payload: bytes
+    frame: Frame
+    reference: FrameRef
 
 
 class Node:
@@ -75,7 +77,8 @@ class Node:
     def deliver(self, letter: Letter) -> None:
         """Put a frame into the inbox; when it is full the oldest goes."""
         self._letters.append(letter)
-        del self._letters[: -self._inbox_frames]
+        if len(self._letters) > self._inbox_frames:
+            del self._letters[0]
 
     def answered(self, tick: int, action: Action) -> None:
         """Take over what an accepted action says of waking; what was in the inbox has been heard."""

@@ -114,10 +114,9 @@ class World:
 
     def _percept(self, tick: int, row: int, why: str) -> Percept:
         node, letters = self._rows[row], self._rows[row].heard(tick)
-        names = self.names
         senses = Senses(node.body.pose, self._in_sight[row], None, node.refused_frames)
-        self._refs[node.name] = tuple(FrameRef(names[one.sender], one.sent_tick, one.index) for one in letters)
-        inbox = tuple(Frame(names[one.sender], one.sent_tick, one.payload) for one in letters)
+        self._refs[node.name] = tuple([letter.reference for letter in letters])
+        inbox = tuple([letter.frame for letter in letters])
         configuration = self._configuration(node) if why == "start" else None
         return Percept(tick, node.grants, why, senses, inbox, configuration)
 
@@ -163,9 +162,15 @@ class World:
         deliveries, refused, tally = self._radio.transmit(tick, outboxes, self._apart_m, deaf)
         for row, count in refused.items():
             self._rows[row].refused_frames = count
+        letters: dict[tuple[int, int, int], Letter] = {}
         columns = zip(*(column.tolist() for column in deliveries), strict=True)
         for sender, index, receiver, heard_tick in columns:
-            letter = Letter(heard_tick, tick, sender, index, outboxes[sender][index])
+            letter = letters.get((sender, index, heard_tick))
+            if letter is None:
+                name, payload = self.names[sender], outboxes[sender][index]
+                frame, reference = Frame(name, tick, payload), FrameRef(name, tick, index)
+                letter = Letter(heard_tick, tick, sender, index, frame, reference)
+                letters[sender, index, heard_tick] = letter
             self._rows[receiver].deliver(letter)
         return deliveries, tally
 
