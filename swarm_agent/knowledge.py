@@ -27,12 +27,12 @@ class News(msgspec.Struct, frozen=True, array_like=True):
 
 
 def merge_news(visited_tick: np.ndarray, *news: News) -> None:
-    """Raise every entry of `visited_tick` to the newest one; news of a field of another size is ignored."""
+    """Raise every entry of `visited_tick` (uint32) to the newest one; news of a field of another size is ignored."""
     sites = len(visited_tick)
     tables = [one.visited_tick for one in news if not one.sites and len(one.visited_tick) == 4 * sites]
     if tables:
-        newest = np.frombuffer(b"".join(tables), dtype="<u4").reshape(len(tables), sites).max(axis=0)
-        np.maximum(visited_tick, newest, out=visited_tick)
+        rows = (len(tables) + 1, sites)
+        np.maximum.reduce(np.ndarray(rows, "<u4", b"".join([visited_tick, *tables])), out=visited_tick)
     for one in (one for one in news if one.sites):
         chosen = np.frombuffer(one.sites, dtype="<u2")
         if chosen.max() < sites:
