@@ -62,9 +62,10 @@ def _parser() -> argparse.ArgumentParser:
     dashboard.set_defaults(do=_dashboard)
     bench = commands.add_parser("bench", help="what a lockstep tick costs, beside the bare wire")
     some = _number(int, "a whole number >= 1", lambda value: value >= 1)
-    bench.add_argument("--ticks", type=some, default=400, help="ticks of one measurement (default 400)")
-    bench.add_argument("--sizes", type=some, nargs="+", default=[1, 5, 15, 50], metavar="N")
-    bench.add_argument("--rounds", type=some, default=5, help="paired measurements of each size (default 5)")
+    bench.add_argument("--ticks", type=some, default=200, help="ticks of one block (default 200)")
+    sizes = "numbers of nodes, the tower counted (default 1 5 15 50)"
+    bench.add_argument("--sizes", type=some, nargs="+", default=[1, 5, 15, 50], metavar="N", help=sizes)
+    bench.add_argument("--rounds", type=some, default=7, help="pairs of blocks for each size (default 7)")
     bench.set_defaults(do=_bench)
     scenarios = commands.add_parser("scenarios", help="the scenarios that come with Picket")
     scenarios.set_defaults(do=_scenarios)

@@ -26,16 +26,17 @@ class News(msgspec.Struct, frozen=True, array_like=True):
             raise ValueError("news with columns of unequal length")
 
 
-def merge_news(visited_tick: np.ndarray, news: News) -> None:
-    """Raise every entry of `visited_tick` to the newer one; news of a field of another size is ignored."""
-    times = np.frombuffer(news.visited_tick, dtype="<u4")
-    if not news.sites:
-        if len(times) == len(visited_tick):
-            np.maximum(visited_tick, times, out=visited_tick)
-        return
-    sites = np.frombuffer(news.sites, dtype="<u2")
-    if sites.max() < len(visited_tick):
-        np.maximum.at(visited_tick, sites, times)
+def merge_news(visited_tick: np.ndarray, *news: News) -> None:
+    """Raise every entry of `visited_tick` (uint32) to the newest one; news of a field of another size is ignored."""
+    sites = len(visited_tick)
+    tables = [one.visited_tick for one in news if not one.sites and len(one.visited_tick) == 4 * sites]
+    if tables:
+        rows = (len(tables) + 1, sites)
+        np.maximum.reduce(np.ndarray(rows, "<u4", b"".join([visited_tick, *tables])), out=visited_tick)
+    for one in (one for one in news if one.sites):
+        chosen = np.frombuffer(one.sites, dtype="<u2")
+        if chosen.max() < sites:
+            np.maximum.at(visited_tick, chosen, np.frombuffer(one.visited_tick, dtype="<u4"))
 
 
 class Bulletin(msgspec.Struct, Generic[Own], frozen=True, array_like=True):
@@ -68,9 +69,9 @@ class AssumedIdleness:
         """Assumed idleness of every site at `tick`: int64, (sites,) (lines 2-4)."""
         return tick - self.visited_tick.astype(np.int64)
 
-    def merge(self, news: News) -> None:
+    def merge(self, *news: News) -> None:
         """Take over every entry that is strictly newer than ours (lines 13-19)."""
-        merge_news(self.visited_tick, news)
+        merge_news(self.visited_tick, *news)
 
     def newest(self, items: int, among: np.ndarray | None = None) -> News:
         """The `items` entries with the largest times (line 10), lower site first among equals.

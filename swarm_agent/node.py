@@ -40,12 +40,12 @@ class Mind:
 
     def _decode(self, inbox: tuple[Frame, ...]) -> list[Heard]:
         """What was heard in the behaviour's vocabulary; what is not in it is counted and dropped."""
-        vocabulary, heard = self._behaviour.Radio, []
-        if vocabulary is None:
-            return heard
+        if self._behaviour.Radio is None:
+            return []
+        decode, heard = codec.decoder(self._behaviour.Radio), []
         for frame in inbox:
             try:
-                message = codec.decode(vocabulary, frame.payload)
+                message = decode(frame.payload)
             except codec.Malformed:
                 self.undecodable_frames += 1
             else:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from test_dashboard import LAST_TICK, Run, rows_of
+from tests.test_dashboard import LAST_TICK, Run, rows_of
 
 from deploy.following import Follower, Handover
 from deploy.scene import Scene

@@ -53,7 +53,7 @@ def test_a_robot_stopped_from_outside_is_named_and_waited_for(tmp_path):
         os.kill(pid, signal.SIGSTOP)
         late = run.event("watchdog", "r3")
         assert late["data"]["pid"] == pid and late["data"]["waited_s"] >= 0.05
-        until(lambda: sum(one["kind"] == "watchdog" for one in events(run.folder)) == 3, "three warnings")
+        until(lambda: told(run.folder, "watchdog", "r3") >= 3, "three warnings")
         assert run.status()["waiting_for"] == ["r3"]
         os.kill(pid, signal.SIGCONT)
         run.ask("speed", value=0)
@@ -134,6 +134,11 @@ def test_time_can_be_stopped_stepped_and_let_go_on(tmp_path):
         run.ask("speed", value=0)
         assert run.wait() == 0
     assert run_hash(run.folder) == run_hash(rehearsed(tmp_path, path))
+
+
+def told(folder, kind: str, node: str) -> int:
+    """How many events of a kind there are about a node."""
+    return sum(one["kind"] == kind and one["node"] == node for one in events(folder))
 
 
 def listening(processes) -> set[int]:

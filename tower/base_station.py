@@ -49,8 +49,7 @@ class BaseStation(Behaviour):
         self.since_tick = percept.tick if whole else self.since_tick
         say = self._bulletin(percept.tick, heard)
         before = self.knowledge.visited_tick.copy()
-        for _, _, bulletin in heard:
-            self.knowledge.merge(bulletin.news)
+        self.knowledge.merge(*[one.message.news for one in heard])
         report = self._awareness(before, whole)
         return Move(Stay(), (say,), percept.tick + 1, report=report)
 

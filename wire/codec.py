@@ -4,6 +4,7 @@ The first byte of every message is the schema version; what follows is one array
 wrong with received bytes, the answer is one exception, `Malformed`, whose text says what and where.
 """
 
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -20,11 +21,6 @@ class Malformed(ValueError):
     """Received bytes that are not a valid message."""
 
 
-@cache
-def _decoder(kind: Any) -> msgspec.msgpack.Decoder:
-    return msgspec.msgpack.Decoder(kind)
-
-
 def encode(message: Any) -> bytes:
     """One message as bytes; equal messages give equal bytes."""
     return _PREFIX + _encoder.encode(message)
@@ -32,13 +28,24 @@ def encode(message: Any) -> bytes:
 
 def decode(kind: Any, data: bytes, at_most: int = MAX_BYTES) -> Any:
     """The message of type `kind` in `data`. Raises Malformed."""
-    if not data:
-        raise Malformed("no bytes at all")
-    if data[0] != SCHEMA_VERSION:
-        raise Malformed(f"schema version {data[0]}, this program speaks {SCHEMA_VERSION}")
-    if len(data) > at_most:
-        raise Malformed(f"{len(data)} bytes, at most {at_most} are read")
-    try:
-        return _decoder(kind).decode(memoryview(data)[1:])
-    except (msgspec.DecodeError, ValueError, RecursionError) as error:
-        raise Malformed(str(error)) from None
+    return decoder(kind, at_most)(data)
+
+
+@cache
+def decoder(kind: Any, at_most: int = MAX_BYTES) -> Callable[[bytes], Any]:
+    """`decode` for messages of one type: for who decodes many and need not look the type up each time."""
+    decode_body = msgspec.msgpack.Decoder(kind).decode
+
+    def decode_one(data: bytes) -> Any:
+        if not data:
+            raise Malformed("no bytes at all")
+        if data[0] != SCHEMA_VERSION:
+            raise Malformed(f"schema version {data[0]}, this program speaks {SCHEMA_VERSION}")
+        if len(data) > at_most:
+            raise Malformed(f"{len(data)} bytes, at most {at_most} are read")
+        try:
+            return decode_body(memoryview(data)[1:])
+        except (msgspec.DecodeError, ValueError, RecursionError) as error:
+            raise Malformed(str(error)) from None
+
+    return decode_one

@@ -255,6 +255,8 @@ class LiveSwarm:
         """Let time stand still until the pace allows this tick, or somebody wants something done."""
         while not self.finishing and not self._wishes:
             due_s = self._pace.due_s(tick, time.monotonic())
+            if due_s == math.inf:
+                self._observers.flush()  # who looks at a run that stands still sees where it stands
             if due_s <= time.monotonic() or not self._take(None if due_s == math.inf else due_s):
                 break
         late_s = self._pace.begin(tick, time.monotonic())

@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 from wire import codec
-from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, WAKE_ON_SENSOR, Action, GoTo, Why
+from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, WAKE_ON_SENSOR, Action, Frame, GoTo, Why
 from world_server.motion import Body
+from world_server.records import FrameRef
 
 ALIVE, FROZEN, DEAD = 0, 1, 2
 INBOX_BYTES = codec.MAX_BYTES // 2  # an inbox must fit into a percept
@@ -12,13 +13,14 @@ LETTER_BYTES = 32  # more than what a frame needs around its payload
 
 
 class Letter(NamedTuple):
-    """A frame on its way to one receiver: sender's row and place in its outbox, and when it is heard."""
+    """A frame on its way: when it is heard, sender's row and place in its outbox. Receivers share it."""
 
     heard_tick: int
     sent_tick: int
     sender: int
     index: int
-    payload: bytes
+    frame: Frame
+    reference: FrameRef
 
 
 class Node:
@@ -79,7 +81,7 @@ class Node:
         letters = letters[-self._inbox_frames :]
         room = INBOX_BYTES
         for newer, letter in enumerate(reversed(letters)):
-            room -= len(letter.payload) + LETTER_BYTES
+            room -= len(letter.frame.payload) + LETTER_BYTES
             if room < 0:
                 return letters[len(letters) - newer :]
         return letters

@@ -8,10 +8,16 @@ from wire.messages import Sighting
 
 
 def sightings(
-    nodes: Sequence[str], row: int, positions_m: np.ndarray, apart_m: np.ndarray, range_m: float
-) -> tuple[Sighting, ...]:
-    """The bodies that the node in `row` sees, in order of their numbers; range 0 sees nothing."""
-    if range_m == 0:
-        return ()
-    seen = np.flatnonzero(apart_m[row] <= range_m)
-    return tuple(Sighting(nodes[other], *positions_m[other].tolist()) for other in seen.tolist() if other != row)
+    nodes: Sequence[str], positions_m: np.ndarray, apart_m: np.ndarray, ranges_m: np.ndarray
+) -> list[tuple[Sighting, ...]]:
+    """For every node the bodies that it sees, in order of their numbers; range 0 sees nothing.
+
+    `positions_m`: (nodes, 2); `apart_m`: (nodes, nodes); `ranges_m`: (nodes,).
+    """
+    bodies = [Sighting(node, *place) for node, place in zip(nodes, positions_m.tolist(), strict=True)]
+    sees = (apart_m <= ranges_m[:, None]) & (ranges_m[:, None] > 0)
+    np.fill_diagonal(sees, False)
+    seen: list[list[Sighting]] = [[] for _ in nodes]
+    for row, other in np.argwhere(sees).tolist():
+        seen[row].append(bodies[other])
+    return [tuple(one) for one in seen]

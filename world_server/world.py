@@ -33,6 +33,7 @@ class World:
         self._refs: dict[str, tuple[FrameRef, ...]] = {}
         self.oversize: dict[str, int] = {}
         """How many frames the radio refused for the byte limit in the last commit, by sender."""
+        self._sensor_ranges_m = np.array([node.sensor_range_m for node in self._rows])
         self._measure()
 
     def poses(self) -> np.ndarray:
@@ -44,7 +45,7 @@ class World:
         self._refs = {}
         granted = {}
         for row, node in enumerate(self._rows):
-            seen = _names(self._sight(row)) if node.watches else None
+            seen = _names(self._in_sight[row]) if node.watches else None
             why = node.due(tick, seen)
             if why is not None:
                 granted[node.name] = self._percept(tick, row, why)
@@ -104,7 +105,7 @@ class World:
         """The next tick at which anything can happen, or None when nothing ever will by itself."""
         if not all(node.body.at_rest for node in self._rows):
             return tick + 1
-        if any(node.watches and _names(self._sight(row)) != node.seen for row, node in enumerate(self._rows)):
+        if any(node.watches and _names(self._in_sight[row]) != node.seen for row, node in enumerate(self._rows)):
             return tick + 1
         if self._visits():
             return tick + 1
@@ -126,10 +127,9 @@ class World:
 
     def _percept(self, tick: int, row: int, why: str) -> Percept:
         node, letters = self._rows[row], self._rows[row].heard(tick)
-        names = self.names
-        senses = Senses(node.body.pose, self._sight(row), None, node.refused_frames)
-        self._refs[node.name] = tuple(FrameRef(names[one.sender], one.sent_tick, one.index) for one in letters)
-        inbox = tuple(Frame(names[one.sender], one.sent_tick, one.payload) for one in letters)
+        senses = Senses(node.body.pose, self._in_sight[row], None, node.refused_frames)
+        self._refs[node.name] = tuple([letter.reference for letter in letters])
+        inbox = tuple([letter.frame for letter in letters])
         configuration = self._configuration(node) if why == "start" else None
         return Percept(tick, node.grants, why, senses, inbox, configuration)
 
@@ -156,12 +156,10 @@ class World:
             name, percept.grant, percept.why, percept.senses, self._refs[name], percept.configuration
         )
 
-    def _sight(self, row: int) -> tuple[Sighting, ...]:
-        return sightings(self.names, row, self._positions_m, self._apart_m, self._rows[row].sensor_range_m)
-
     def _measure(self) -> None:
-        self._positions_m = self.poses()[:, :2]
-        self._apart_m = radio.distances_m(self._positions_m)
+        positions_m = self.poses()[:, :2]
+        self._apart_m = radio.distances_m(positions_m)
+        self._in_sight = sightings(self.names, positions_m, self._apart_m, self._sensor_ranges_m)
 
     def _settle(self) -> None:
         for node in self._rows:
@@ -178,9 +176,15 @@ class World:
         for row, count in refused.items():
             self._rows[row].refused_frames = count
         self.oversize = {self.names[row]: count for row, count in refused.items()}
+        letters: dict[tuple[int, int, int], Letter] = {}
         columns = zip(*(column.tolist() for column in deliveries), strict=True)
         for sender, index, receiver, heard_tick in columns:
-            letter = Letter(heard_tick, tick, sender, index, outboxes[sender][index])
+            letter = letters.get((sender, index, heard_tick))
+            if letter is None:
+                name, payload = self.names[sender], outboxes[sender][index]
+                frame, reference = Frame(name, tick, payload), FrameRef(name, tick, index)
+                letter = Letter(heard_tick, tick, sender, index, frame, reference)
+                letters[sender, index, heard_tick] = letter
             self._rows[receiver].deliver(letter)
         return deliveries, tally
 

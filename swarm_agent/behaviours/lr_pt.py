@@ -105,8 +105,7 @@ class LrPt(Behaviour):
             self.knowledge.note_visit(self.target, tick)
             self.choose_target(percept, heard, completed=self.target)
         say = self._bulletin(tick, heard)
-        for _, _, bulletin in heard:
-            self.knowledge.merge(bulletin.news)
+        self.knowledge.merge(*[one.message.news for one in heard])
         x_m, y_m = self.centres_m[self.target].tolist()
         motion = GoTo(x_m, y_m, self.configuration.field.visit_within_m)
         return Move(motion, (say,), tick + 1, report=Intent(self.goal, self.target, self.priority_s))
