@@ -110,6 +110,18 @@ def test_control_c_writes_the_summary_and_leaves_nothing(tmp_path):
         assert not run.summary()["completed"] and run.summary()["run_hash"] == run_hash(run.folder)
 
 
+def test_control_c_ends_a_run_that_waits_for_a_stopped_robot(tmp_path):
+    path = small(tmp_path, duration_s=10_000)
+    with command(path, tmp_path / "out", *PACED, "--set", "watchdog.budget_s=0.05") as run:
+        processes = run.processes()
+        psutil.Process(run.status()["pids"]["r3"]).suspend()
+        run.event("watchdog", "r3")
+        run.signal(signal.SIGINT)
+        assert run.wait() == 130
+        assert all(gone(process) for process in processes)
+        assert run.summary()["run_hash"] == run_hash(run.folder)
+
+
 def test_kill_9_of_the_launcher_leaves_no_process_and_no_port(tmp_path):
     path = small(tmp_path, duration_s=10_000)
     with command(path, tmp_path / "out", *PACED) as run:

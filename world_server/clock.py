@@ -10,6 +10,10 @@ from world_server.journal import Journal
 from world_server.world import World
 
 
+class Interrupted(Exception):
+    """The run is to end, and some node does not answer: the tick under way is given up."""
+
+
 class Befallen(NamedTuple):
     """Something unplanned at a boundary: a fault to carry out, or one that has already happened.
 
@@ -28,7 +32,10 @@ class Swarm(Protocol):
     """Has anybody asked for the end of the run?"""
 
     def exchange(self, tick: int, percepts: Mapping[str, Percept]) -> Mapping[str, Action]:
-        """Every action that was answered to these grants; a node that is missing has died."""
+        """Every action that was answered to these grants; a node that is missing has died.
+
+        Raises Interrupted.
+        """
 
     def enforce(self, fault: Fault) -> str:
         """Make a fault really happen. Returns why it could not be confirmed, empty when it was."""
@@ -66,13 +73,19 @@ class Clock:
 
     def run(self) -> tuple[int, bool]:
         """Run to the end. Returns the last tick that was committed, and whether the mission was completed."""
-        tick = 0
+        tick = committed = 0
         while True:
-            self._step(tick)
+            try:
+                self._step(tick)
+            except Interrupted:
+                break
+            committed = tick
             if tick >= self._last_tick or self._swarm.finishing:
-                self._journal.close(tick, tick >= self._last_tick)
-                return tick, tick >= self._last_tick
+                break
             tick = self._after(tick)
+        completed = committed >= self._last_tick
+        self._journal.close(committed, completed)
+        return committed, completed
 
     def _step(self, tick: int) -> None:
         faults = self._boundary(tick)

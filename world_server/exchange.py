@@ -31,7 +31,7 @@ from wire.messages import (
     Started,
 )
 from wire.scenario import Scenario
-from world_server.clock import Befallen
+from world_server.clock import Befallen, Interrupted
 from world_server.observers import Observers
 from world_server.pace import Pace
 from world_server.strangers import process_behind
@@ -39,6 +39,7 @@ from world_server.strangers import process_behind
 START_WITHIN_S = 60.0
 ORDER_WITHIN_S = 30.0
 TOKEN_WITHIN_S = 5.0
+LAST_ANSWERS_WITHIN_S = 1.0
 WATCHDOG_AT = (1, 3, 10)
 FAULT_VERBS = ("kill", "freeze", "thaw", "restart")
 
@@ -52,6 +53,7 @@ class LiveSwarm:
 
     def __init__(self, link: Link, book: Book, scenario: Scenario, write_event: Callable[[Event], None]) -> None:
         self.finishing = False
+        self._last_moment = math.inf
         self._scenario = scenario
         self._tick = 0
         self._queue: SimpleQueue = SimpleQueue()
@@ -100,19 +102,25 @@ class LiveSwarm:
                 self._open[node] = (percept.grant, codec.encode(percept))
         for node, (_, data) in self._open.items():
             self._percepts[node].put(data)
-        since, warned = time.monotonic(), 0
-        while self._open:
-            budget_s = self._scenario.watchdog.budget_s
-            limit = since + budget_s * WATCHDOG_AT[warned] if warned < len(WATCHDOG_AT) else None
-            if not self._take(limit):
-                self._warn(time.monotonic() - since)
-                warned += 1
-                if warned == len(WATCHDOG_AT):
-                    self._lose_patience()
+        self._await_answers()
         for node in percepts.keys() & self._gone.keys():
             if node not in self._answers:
                 self._gone.pop(node)
         return self._answers
+
+    def _await_answers(self) -> None:
+        since, warned = time.monotonic(), 0
+        while self._open:
+            budget_s = self._scenario.watchdog.budget_s
+            limit = since + budget_s * WATCHDOG_AT[warned] if warned < len(WATCHDOG_AT) else math.inf
+            if self._take(min(limit, self._last_moment)):
+                continue
+            if self.finishing:
+                raise Interrupted
+            self._warn(time.monotonic() - since)
+            warned += 1
+            if warned == len(WATCHDOG_AT):
+                self._lose_patience()
 
     def enforce(self, fault: Fault) -> str:
         """Order a fault from the launcher and see it happen. Returns why not, empty when it did."""
@@ -209,6 +217,7 @@ class LiveSwarm:
                     self._on_death(node, status, last_lines)
             case Finish():
                 self.finishing = True
+                self._last_moment = time.monotonic() + LAST_ANSWERS_WITHIN_S
 
     def _on_death(self, node: str, status: int, last_lines: str) -> None:
         """A process ended that nobody ordered to end."""
@@ -236,10 +245,10 @@ class LiveSwarm:
         while not until() and self._take(limit):
             pass
 
-    def _take(self, limit: float | None) -> bool:
+    def _take(self, limit: float = math.inf) -> bool:
         """Handle one thing that arrived, waiting for it until `limit`. False when nothing came."""
         try:
-            timeout = None if limit is None else min(max(0.0, limit - time.monotonic()), TIMEOUT_MAX)
+            timeout = min(max(0.0, limit - time.monotonic()), TIMEOUT_MAX)
             handler, *given = self._queue.get(timeout=timeout)
         except Empty:
             return False
@@ -257,7 +266,7 @@ class LiveSwarm:
             due_s = self._pace.due_s(tick, time.monotonic())
             if due_s == math.inf:
                 self._observers.flush()  # who looks at a run that stands still sees where it stands
-            if due_s <= time.monotonic() or not self._take(None if due_s == math.inf else due_s):
+            if due_s <= time.monotonic() or not self._take(due_s):
                 break
         late_s = self._pace.begin(tick, time.monotonic())
         if late_s:
