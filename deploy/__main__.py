@@ -4,7 +4,7 @@ import os
 import sys
 
 from deploy.command_line import parse
-from deploy.dashboard import DashboardError
+from deploy.viewer import ViewerError
 from deploy.launcher import LaunchError
 from deploy.run_folder import RunError
 from deploy.scenario_file import ScenarioError
@@ -25,7 +25,7 @@ def carry_out(arguments: list[str]) -> int:
     """Parse, do, and turn an operator's mistake into one clear line; returns the exit code."""
     try:
         return parse(arguments)
-    except (ScenarioError, RunError, JournalError, DashboardError) as error:
+    except (ScenarioError, RunError, JournalError, ViewerError) as error:
         print(f"picket: {error}", file=sys.stderr)
         return OPERATOR_MISTAKE
     except LaunchError as error:

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import NoReturn
 
 from deploy.compare import compare
-from deploy.dashboard import open_recording
 from deploy.operate import request
 from deploy.recorder import deaths
 from deploy.report import console_for, print_result
 from deploy.run import run_scenario
 from deploy.run_folder import RunError, find_folder, live_runs, summary_of
 from deploy.scenario_file import shipped_scenarios
+from deploy.viewer import choose_mode, open_recording
 from wire.messages import Request
 
 Number = int | float
@@ -59,7 +59,7 @@ def _parser() -> argparse.ArgumentParser:
     dashboard = commands.add_parser("dashboard", help="look at a run in Rerun")
     dashboard.add_argument("run", metavar="RUN")
     dashboard.add_argument("--mode", choices=("auto", "native", "web", "file"), default="auto")
-    dashboard.set_defaults(do=lambda given: open_recording(find_folder(given.run), given.mode))
+    dashboard.set_defaults(do=_dashboard)
     bench = commands.add_parser("bench", help="what a lockstep tick costs, beside the bare wire")
     some = _number(int, "a whole number >= 1", lambda value: value >= 1)
     bench.add_argument("--ticks", type=some, default=400, help="ticks of one measurement (default 400)")
@@ -154,6 +154,17 @@ def _compare(given: argparse.Namespace) -> int:
     equal, text = compare(find_folder(given.first), find_folder(given.second))
     print(text)
     return 0 if equal else 1
+
+
+def _dashboard(given: argparse.Namespace) -> int:
+    from deploy.dashboard import record  # rerun takes most of a second to import
+
+    recording = record(find_folder(given.run))
+    mode = choose_mode(given.mode)
+    if mode == "file":
+        print(recording)
+        return 0
+    return open_recording(recording, mode)
 
 
 def _bench(given: argparse.Namespace) -> int:

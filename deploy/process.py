@@ -11,6 +11,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from subprocess import Popen
 
 INTERRUPT, TERMINATE, KILL, STOP, CONTINUE = (
     signal.SIGINT,
@@ -37,7 +38,7 @@ class Child:
         environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "PICKET_RUNTIME_THREADS": str(runtime_threads)}
         command = [sys.executable, "-m", module, *arguments, "--parent-pid", str(os.getpid())]
         with log.open("ab") as output:
-            self._popen = subprocess.Popen(
+            self._popen = Popen(
                 command,
                 stdin=subprocess.DEVNULL,
                 stdout=output,
@@ -118,3 +119,27 @@ def on_interrupt_now() -> Callable[[], bool]:
     for number in (INTERRUPT, TERMINATE):
         signal.signal(number, lambda number, frame: pressed.append(number))
     return lambda: bool(pressed)
+
+
+# A viewer is not our program: it is made to end with its parent before it becomes the viewer.
+_WRAPPER = (
+    "import os, sys; from wire.credentials import die_with_parent; "
+    "die_with_parent(int(sys.argv[1])); os.execv(sys.argv[2], sys.argv[2:])"
+)
+
+
+def start_viewer(command: list[str], log: Path, environment: dict[str, str]) -> "Popen[bytes]":
+    """Start another program so that it ends with this process; what it prints goes to `log`.
+
+    Call it on the main thread: the kernel takes the thread that starts a child for its parent.
+    """
+    wrapped = [sys.executable, "-c", _WRAPPER, str(os.getpid()), *command]
+    with log.open("wb") as output:
+        return Popen(
+            wrapped,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=output,
+            env=os.environ | environment,
+            start_new_session=True,
+        )

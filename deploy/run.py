@@ -8,7 +8,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-from deploy.dashboard import choose_mode, record
 from deploy.launcher import Launcher, free_port
 from deploy.process import on_interrupt_now
 from deploy.recorder import deaths, summarise
@@ -16,6 +15,7 @@ from deploy.rehearsal import Rehearsal, rehearse
 from deploy.report import ProgressLine, console_for, print_result
 from deploy.run_folder import find_folder, new_folder
 from deploy.scenario_file import ScenarioError, find_scenario, load_scenario, to_toml
+from deploy.viewer import choose_mode
 from wire.messages import Facts
 from wire.scenario import Scenario
 from world_server.journal import commits
@@ -43,6 +43,8 @@ def run_scenario(given: argparse.Namespace) -> int:
             processes, interrupted = _launch(scenario, folder, last_tick, progress, given.dashboard, console)
     summary = summarise(folder, scenario, path.stem, time.monotonic() - began, processes)
     if given.dashboard != "off":
+        from deploy.dashboard import record  # rerun takes most of a second to import
+
         record(folder)
     if given.json:
         print(json.dumps(summary, indent=2))
@@ -94,7 +96,7 @@ def _launch(
 ) -> tuple[list[dict], bool]:
     launcher = Launcher(scenario, folder, last_tick, progress.show)
     mode = None if dashboard in ("off", "file") else choose_mode(dashboard)
-    asyncio.run(launcher.run(mode, lambda line: console.print(line, highlight=False)))
+    asyncio.run(launcher.run(mode, lambda line: console.print(f"dashboard {line}", highlight=False)))
     processes = [
         _process(node, role, child.pid, incarnation, child.status)
         for node, role, child, incarnation in launcher.processes
