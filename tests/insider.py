@@ -1,8 +1,8 @@
 """A robot that patrols as it should, and whose code misuses the one link that its process has.
 
-In a process it finds the link in memory and tries, through that session with all its rights, to hear and to say
-what is others'. In a rehearsal there is no link, and it only patrols. What it heard is in what it reports, and so
-in the run's hash.
+In a process it finds the link in memory and tries, through that session with all its rights, to hear and to
+say what is others'. In a rehearsal there is no link, and it only patrols. What it heard is in what it reports,
+and so in the run's hash.
 """
 
 import gc

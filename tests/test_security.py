@@ -237,6 +237,12 @@ def test_what_a_spare_says_on_its_own_key_is_an_event_with_its_id(siege: Siege) 
     assert {one["data"]["count"] for one in refused if "bytes" in one["data"]} == {1, 10, 100}
 
 
+def test_a_deletion_does_not_reach_the_world_even_on_its_own_key(siege: Siege) -> None:
+    """It was sent first; the first that arrived is the first message after it."""
+    first = next(one for one in siege.events if "bytes" in one["data"])
+    assert first["data"]["bytes"] == OVERSIZE
+
+
 def test_nothing_but_the_spares_own_words_reached_the_world(siege: Siege) -> None:
     kinds = {one["kind"] for one in siege.events} - {"late", "watchdog"}  # a busy machine may be told of
     assert kinds == {"refused", "stranger", "end"}
