@@ -19,13 +19,15 @@ from deploy.launcher import Launcher
 from deploy.recorder import events
 from deploy.rehearsal import rehearse
 from deploy.scenario_file import load_scenario, to_toml
-from tests.live_runs import DEADLINE_S, run_folder, until
+from tests.insider import Loot
+from tests.live_runs import DEADLINE_S, as_processes, rehearsed, run_folder, run_hash, small, until
+from tests.oracle import Oracle
 from tests.rogue import Plan
 from wire import channels, codec
 from wire.credentials import OBSERVERS, OPERATOR, SUPERVISOR, Book, Credential, fresh, hand_over
 from wire.link import open_client
 from wire.messages import Action, Reply, Request
-from world_server.journal import read
+from world_server.journal import commits, read
 
 TICKS = 250
 VICTIMS = ("r2", "r3")
@@ -235,6 +237,12 @@ def test_what_a_spare_says_on_its_own_key_is_an_event_with_its_id(siege: Siege) 
     assert {one["data"]["count"] for one in refused if "bytes" in one["data"]} == {1, 10, 100}
 
 
+def test_a_deletion_does_not_reach_the_world_even_on_its_own_key(siege: Siege) -> None:
+    """It was sent first; the first that arrived is the first message after it."""
+    first = next(one for one in siege.events if "bytes" in one["data"])
+    assert first["data"]["bytes"] == OVERSIZE
+
+
 def test_nothing_but_the_spares_own_words_reached_the_world(siege: Siege) -> None:
     kinds = {one["kind"] for one in siege.events} - {"late", "watchdog"}  # a busy machine may be told of
     assert kinds == {"refused", "stranger", "end"}
@@ -282,3 +290,16 @@ def test_no_secret_is_in_a_command_line_an_environment_or_the_run_folder(siege: 
 def test_the_operators_file_is_private_and_gone_after_the_run(siege: Siege) -> None:
     assert siege.operator_file == (0o600, 0o700)
     assert not siege.operator_file_left
+
+
+def test_a_robot_that_misuses_its_own_link_hears_nothing_and_changes_nothing(tmp_path: Path) -> None:
+    team = small(tmp_path, duration_s=60, behaviour="tests.insider:Insider")
+    live = as_processes(tmp_path, team)
+    reports = [report for one in commits(live / "journal") for node, report in one.facts.reports if node != "r1"]
+    assert {codec.decode(Loot, report).keys for report in reports} == {()}
+    assert run_hash(live) == run_hash(rehearsed(tmp_path, team))
+    refused = [one for one in events(live) if one["kind"] == "refused"]
+    assert {one["node"] for one in refused} == {"r2", "r3", "r4", "r5"}
+    whys = ("no grant is open", "malformed", "stale")
+    assert all(any(why in one["text"] for why in whys) for one in refused)
+    Oracle(load_scenario(team)).check(live / "journal")
