@@ -37,9 +37,11 @@ class Spent(NamedTuple):
     nodes_s: float
 
     def minus(self, other: "Spent") -> "Spent":
+        """What was spent since `other`, or more than it."""
         return Spent(self.centre_s - other.centre_s, self.nodes_s - other.nodes_s)
 
     def over(self, ticks: int) -> "Spent":
+        """What was spent per tick."""
         return Spent(self.centre_s / ticks, self.nodes_s / ticks)
 
 
@@ -56,6 +58,7 @@ class FloorSide(NamedTuple):
         return float(await self.line())
 
     async def line(self) -> str:
+        """The coordinator's next word. Raises LaunchError when it has ended."""
         line = await asyncio.wait_for(self.reports.readline(), BLOCK_WITHIN_S)
         if not line:
             raise LaunchError(f"the bare wire broke:\n{self.children[0].last_lines()}")

@@ -65,7 +65,7 @@ def _parser() -> argparse.ArgumentParser:
     bench.add_argument("--ticks", type=some, default=200, help="ticks of one block (default 200)")
     sizes = "numbers of nodes, the tower counted (default 1 5 15 50)"
     bench.add_argument("--sizes", type=some, nargs="+", default=[1, 5, 15, 50], metavar="N", help=sizes)
-    bench.add_argument("--rounds", type=some, default=7, help="pairs of blocks for each size (default 7)")
+    bench.add_argument("--rounds", type=some, default=5, help="pairs of blocks for each size (default 5)")
     bench.set_defaults(do=_bench)
     scenarios = commands.add_parser("scenarios", help="the scenarios that come with Picket")
     scenarios.set_defaults(do=_scenarios)

@@ -27,7 +27,7 @@ class News(msgspec.Struct, frozen=True, array_like=True):
 
 
 def merge_news(visited_tick: np.ndarray, *news: News) -> None:
-    """Raise every entry of `visited_tick` (uint32) to the newest one; news of a field of another size is ignored."""
+    """Raise entries of `visited_tick` (uint32) to the newest; news of a field of another size is ignored."""
     sites = len(visited_tick)
     tables = [one.visited_tick for one in news if not one.sites and len(one.visited_tick) == 4 * sites]
     if tables:
