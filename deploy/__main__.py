@@ -4,10 +4,10 @@ import os
 import sys
 
 from deploy.command_line import parse
-from deploy.viewer import ViewerError
 from deploy.launcher import LaunchError
 from deploy.run_folder import RunError
 from deploy.scenario_file import ScenarioError
+from deploy.viewer import ViewerError
 from world_server.journal import JournalError
 
 OPERATOR_MISTAKE = 2

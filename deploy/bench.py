@@ -21,7 +21,7 @@ from rich.table import Table
 from deploy.bench_sides import Interrupted, Spent, floor_side, memory_of, run_side
 from deploy.floor import Sizes
 from deploy.rehearsal import Rehearsal
-from deploy.scenario_file import ScenarioError, find_scenario, load_scenario, to_toml
+from deploy.scenario_file import find_scenario, load_scenario, to_toml
 from wire import codec
 from wire.messages import Action, Percept
 from wire.scenario import Scenario
@@ -74,14 +74,13 @@ class Result(NamedTuple):
 
 def bench(sizes: list[int], ticks: int, rounds: int) -> int:
     """Measure teams of these numbers of nodes, the tower counted; print the table. Returns the exit code."""
-    for name, values in (("--sizes", sizes), ("--ticks", [ticks]), ("--rounds", [rounds])):
-        for value in values:
-            if value < 1:
-                raise ScenarioError(f"{name} must be >= 1, got {value}")
     console, results = Console(), []
     cores = len(os.sched_getaffinity(0))
-    console.print(f"LR-PT on {cores} cores, {rounds} pairs of blocks of {ticks} ticks\n"
-                  "N counts all nodes: 1 is the tower alone", highlight=False)
+    console.print(
+        f"LR-PT on {cores} cores, {rounds} pairs of blocks of {ticks} ticks\n"
+        "N counts all nodes: 1 is the tower alone",
+        highlight=False,
+    )
     try:
         for nodes in sizes:
             with console.status(f"N = {nodes}"), tempfile.TemporaryDirectory(prefix="picket-bench-") as place:
@@ -154,16 +153,35 @@ def _rehearse(scenario: Scenario, place: Path) -> Rehearsed:
 
 def _table(results: list[Result], cores: int) -> Table:
     table = Table(box=SIMPLE_HEAD, padding=(0, 1), pad_edge=False)
-    headings = ("N", "floor\nµs", "Picket\nµs", "Picket\nticks/s", "\nratio", "minds\napart", "world\nµs",
-                "minds\nµs", "RSS\nMB", "PSS\nMB")
+    headings = (
+        "N",
+        "floor\nµs",
+        "Picket\nµs",
+        "Picket\nticks/s",
+        "\nratio",
+        "minds\napart",
+        "world\nµs",
+        "minds\nµs",
+        "RSS\nMB",
+        "PSS\nMB",
+    )
     for heading in headings:
         table.add_column(heading, justify="right", no_wrap=True)
     for one in results:
         picket_s = median(one.picket_s)
         apart_s = one.minds_s / min(cores, one.nodes)
-        table.add_row(str(one.nodes), _us(median(one.floor_s)), _us(picket_s), f"{1 / picket_s:.0f}",
-                      f"{one.ratio():.2f}", f"{one.ratio(apart_s):.2f}", _us(one.world_s), _us(one.minds_s),
-                      f"{one.resident / 1e6:.1f}", f"{one.proportional / 1e6:.1f}")
+        table.add_row(
+            str(one.nodes),
+            _us(median(one.floor_s)),
+            _us(picket_s),
+            f"{1 / picket_s:.0f}",
+            f"{one.ratio():.2f}",
+            f"{one.ratio(apart_s):.2f}",
+            _us(one.world_s),
+            _us(one.minds_s),
+            f"{one.resident / 1e6:.1f}",
+            f"{one.proportional / 1e6:.1f}",
+        )
     return table
 
 
@@ -171,9 +189,11 @@ def _account(one: Result) -> str:
     """What costs the rest: processor time beyond the floor's, of the real processes."""
     floor, picket = one.floor_spent, one.picket_spent
     more = picket.minus(floor)
-    return (f"N = {one.nodes}: processor time per tick, floor -> Picket: coordinator -> world "
-            f"{_us(floor.centre_s)} -> {_us(picket.centre_s)} µs (+{_us(more.centre_s)}), all nodes "
-            f"{_us(floor.nodes_s)} -> {_us(picket.nodes_s)} µs (+{_us(more.nodes_s)})")
+    return (
+        f"N = {one.nodes}: processor time per tick, floor -> Picket: coordinator -> world "
+        f"{_us(floor.centre_s)} -> {_us(picket.centre_s)} µs (+{_us(more.centre_s)}), all nodes "
+        f"{_us(floor.nodes_s)} -> {_us(picket.nodes_s)} µs (+{_us(more.nodes_s)})"
+    )
 
 
 def _us(seconds: float) -> str:

@@ -79,7 +79,7 @@ async def floor_side(
     plan = CoordinatorPlan(book, access_control(book), fresh("world"), percept_bytes)
     (ordered, ordering), (reported, reporting) = os.pipe(), os.pipe()
     arguments = ["coordinator", "--order-fd", str(ordered), "--report-fd", str(reporting)]
-    coordinator = _floor_child("coordinator", arguments, plan, place, (ordered, reporting), 2)
+    coordinator = _floor_child("coordinator", arguments, plan, place, (ordered, reporting))
     floor = FloorSide([coordinator], ordering, asyncio.StreamReader())
     await asyncio.get_running_loop().connect_read_pipe(
         lambda: asyncio.StreamReaderProtocol(floor.reports), os.fdopen(reported, "rb")
@@ -97,12 +97,13 @@ async def floor_side(
         await asyncio.gather(*(child.ended.wait() for child in floor.children))
 
 
-def _floor_child(name: str, arguments: list[str], plan: msgspec.Struct, place: Path,
-                 descriptors: tuple[int, ...] = (), runtime_threads: int = 1) -> Child:
+def _floor_child(
+    name: str, arguments: list[str], plan: msgspec.Struct, place: Path, descriptors: tuple[int, ...] = ()
+) -> Child:
     handed = hand_over(msgspec.msgpack.encode(plan))
     arguments = [*arguments, "--plan-fd", str(handed)]
     log = place / f"floor-{name}.log"
-    child = Child(name, "deploy.floor", arguments, log, (handed, *descriptors), runtime_threads)
+    child = Child(name, "deploy.floor", arguments, log, (handed, *descriptors))
     child.watch(lambda ended: None)
     return child
 

@@ -141,11 +141,16 @@ def _status(given: argparse.Namespace) -> int:
         waiting = f", waiting for {', '.join(state['waiting_for'])}" if state["waiting_for"] else ""
         alive = ", ".join(f"{node} (pid {state['pids'].get(node)})" for node in state["alive"])
         paused = ", paused" if state["paused"] else ""
-        print(f"running: {state['sim_s']:.0f} of {state['duration_s']:.0f} s{paused}{waiting}\nalive: {alive}")
+        print(
+            f"running: {state['sim_s']:.0f} of {state['duration_s']:.0f} s{paused}{waiting}\nalive: {alive}"
+        )
         return 0
     summary = summary_of(folder)
     if summary is None:
-        print(f"{folder}: ended without a summary; `picket dashboard` and `picket compare` can still read its journal")
+        print(
+            f"{folder}: ended without a summary; its journal can still be read by "
+            "`picket dashboard` and `picket compare`"
+        )
     else:
         print_result(console_for(json_only=False), summary, str(folder), deaths(folder))
     return 0
@@ -179,5 +184,3 @@ def _scenarios(given: argparse.Namespace) -> int:
         first_line = path.read_text("utf-8").splitlines()[0]
         print(f"{name:24} {first_line.lstrip('# ')}")
     return 0
-
-

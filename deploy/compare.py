@@ -43,7 +43,9 @@ def _difference(one: Commit, other: Commit) -> str:
     if one.facts.faults != other.facts.faults:
         return f"faults: {_faults(one)} against {_faults(other)}"
     for (grant, action), (other_grant, other_action) in zip_longest(
-        zip(one.grants, one.actions, strict=True), zip(other.grants, other.actions, strict=True), fillvalue=(None, None)
+        zip(one.grants, one.actions, strict=True),
+        zip(other.grants, other.actions, strict=True),
+        fillvalue=(None, None),
     ):
         if grant is None or other_grant is None or grant.node != other_grant.node:
             named = sorted({one.node for one in (grant, other_grant) if one is not None})

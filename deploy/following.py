@@ -125,8 +125,10 @@ class Follower:
         self._next_block = block.number + 1
         if missed > 0 and not (late and self._catch_up(block.facts[0].tick)):
             first_s = block.facts[0].tick * self._scene.scenario.tick_s
-            self._scene.warn(f"the dashboard missed {missed} blocks of facts before {first_s:g} s; "
-                             "until their next visit, sites visited then look older than they are")
+            self._scene.warn(
+                f"the dashboard missed {missed} blocks of facts before {first_s:g} s; "
+                "until their next visit, sites visited then look older than they are"
+            )
         for facts in block.facts:
             self._scene.take(facts)
         self._fresh = self._scene.time_s >= 0

@@ -28,7 +28,9 @@ class LaunchError(Exception):
 class Launcher:
     """One run from the first process to the last."""
 
-    def __init__(self, scenario: Scenario, folder: Path, last_tick: int, watch: Callable[[Facts], None]) -> None:
+    def __init__(
+        self, scenario: Scenario, folder: Path, last_tick: int, watch: Callable[[Facts], None]
+    ) -> None:
         """Raises RunError when the port is taken."""
         self.interrupted = False
         endpoint = f"tcp/127.0.0.1:{free_port(scenario.wire.port)}"
@@ -72,7 +74,7 @@ class Launcher:
         arguments = [str(self._folder), "--book-fd", str(book), "--ready-fd", str(writing)]
         arguments += ["--last-tick", str(self._last_tick)]
         log = self._folder / "logs" / "world.log"
-        self._world = Child("world", "world_server", arguments, log, (book, writing), runtime_threads=2)
+        self._world = Child("world", "world_server", arguments, log, (book, writing))
         self.processes.append(("world", "world", self._world, 0))
         self._world.watch(lambda child: None)
         with os.fdopen(ready, "rb") as stream:

@@ -16,7 +16,9 @@ def request(run: str, wanted: Request) -> Reply:
     except LinkError as error:
         raise RunError(f"{run}: {error}") from None
     try:
-        data = link.ask(channels.key(live.ticket.run, channels.CONTROL), codec.encode(wanted), ANSWER_WITHIN_S)
+        data = link.ask(
+            channels.key(live.ticket.run, channels.CONTROL), codec.encode(wanted), ANSWER_WITHIN_S
+        )
     finally:
         link.close()
     if data is None:

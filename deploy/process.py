@@ -27,15 +27,16 @@ LAST_LINES = 12
 class Child:
     """One running or ended child. `status` is None while it runs, else its exit code or minus its signal."""
 
-    def __init__(self, name: str, module: str, arguments: Sequence[str], log: Path, descriptors: Sequence[int] = (),
-                 runtime_threads: int = 1) -> None:
+    def __init__(
+        self, name: str, module: str, arguments: Sequence[str], log: Path, descriptors: Sequence[int] = ()
+    ) -> None:
         self.name = name
         self.log = log
         self.status: int | None = None
         self.expected = False
         """Did we order its end?"""
         self.frozen = False
-        environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "PICKET_RUNTIME_THREADS": str(runtime_threads)}
+        environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
         command = [sys.executable, "-m", module, *arguments, "--parent-pid", str(os.getpid())]
         with log.open("ab") as output:
             self._popen = Popen(

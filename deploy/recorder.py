@@ -13,7 +13,9 @@ from world_server.records import Commit
 RADIO = ("sent", "delivered", "out_of_range", "lost", "oversize", "bytes")
 
 
-def summarise(folder: Path, scenario: Scenario, name: str, wall_s: float, processes: list[dict]) -> dict[str, Any]:
+def summarise(
+    folder: Path, scenario: Scenario, name: str, wall_s: float, processes: list[dict]
+) -> dict[str, Any]:
     """Fold the journal and the event log of a run, write `summary.json`, and return it."""
     metrics, radio, ticks = AreaMetrics(scenario), [0] * len(RADIO), -1
     faults, end = [], None

@@ -19,10 +19,11 @@ from world_server.world import World
 
 
 class Rehearsal:
-    """The swarm as minds in this process. A fault is carried out on the mind: dropped, skipped or made anew."""
+    """The swarm as minds in this process. A fault is carried out on a mind: dropped, skipped, made anew."""
 
-    def __init__(self, scenario: Scenario, folder: Path, tell: Callable[[Event], None],
-                 show: Callable[[Facts], None]) -> None:
+    def __init__(
+        self, scenario: Scenario, folder: Path, tell: Callable[[Event], None], show: Callable[[Facts], None]
+    ) -> None:
         self.finishing = False
         self.tell = tell
         self.show = show
@@ -38,7 +39,11 @@ class Rehearsal:
                 answer = self._minds[node].answer(codec.encode(percept))
             except Exception:  # noqa: BLE001  a behaviour's error is that robot's death, whatever it is
                 lines = traceback.format_exc()
-                self.tell(Event(tick, "death", node, f"{node} died: exit code 1", {"status": 1, "last_lines": lines}))
+                self.tell(
+                    Event(
+                        tick, "death", node, f"{node} died: exit code 1", {"status": 1, "last_lines": lines}
+                    )
+                )
                 del self._minds[node]
             else:
                 actions[node] = codec.decode(Action, answer)
@@ -65,8 +70,13 @@ class Rehearsal:
         return Mind("tower" if node == self._tower else "swarm_agent.behaviours")
 
 
-def rehearse(scenario: Scenario, toml: str, folder: Path, last_tick: int,
-             watch: Callable[[Facts, Rehearsal], None] = lambda facts, swarm: None) -> tuple[int, bool, str]:
+def rehearse(
+    scenario: Scenario,
+    toml: str,
+    folder: Path,
+    last_tick: int,
+    watch: Callable[[Facts, Rehearsal], None] = lambda facts, swarm: None,
+) -> tuple[int, bool, str]:
     """Run a scenario in this process; journal and events go to `folder`.
 
     `watch` sees the facts of every tick and may set the swarm's `finishing`. Returns the last tick, whether

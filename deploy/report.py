@@ -22,7 +22,7 @@ LABELS = {
 
 
 class ProgressLine:
-    """Simulated time, speed and robots alive: a bar on a terminal, a plain line every few seconds elsewhere."""
+    """Simulated time, speed and robots alive: a bar on a terminal, else a plain line now and then."""
 
     def __init__(self, console: Console, scenario: Scenario, last_tick: int) -> None:
         self._console = console
@@ -59,7 +59,8 @@ class ProgressLine:
         dead = sum(mode == DEAD for mode in facts.modes)
         speed = facts.tick * tick_s / (now - self._began)
         of = self._last_tick * tick_s
-        return f"{facts.tick * tick_s:.0f} of {of:.0f} s, {speed:.0f} x real time, {self._robots - dead} robots alive"
+        alive = self._robots - dead
+        return f"{facts.tick * tick_s:.0f} of {of:.0f} s, {speed:.0f} x real time, {alive} robots alive"
 
 
 def metrics_table(summary: dict[str, Any]) -> Table:
@@ -74,7 +75,9 @@ def metrics_table(summary: dict[str, Any]) -> Table:
     return table
 
 
-def print_result(console: Console, summary: dict[str, Any], folder: str, deaths: list[dict[str, Any]]) -> None:
+def print_result(
+    console: Console, summary: dict[str, Any], folder: str, deaths: list[dict[str, Any]]
+) -> None:
     """The table, what befell the team, and where everything is. `deaths`: events of deaths nobody ordered."""
     console.print(metrics_table(summary))
     for death in deaths:
@@ -85,8 +88,11 @@ def print_result(console: Console, summary: dict[str, Any], folder: str, deaths:
         done = "" if fault["confirmed"] else " (not done)"
         console.print(f"tick {fault['tick']:>6}: {fault['verb']} {fault['node']}{done}", highlight=False)
     radio = summary["radio"]
-    console.print(f"radio: {radio['sent']} frames, {radio['delivered']} deliveries, {radio['bytes']} bytes "
-                  f"({summary['wall_s']:.1f} s of wall time)", highlight=False)
+    console.print(
+        f"radio: {radio['sent']} frames, {radio['delivered']} deliveries, {radio['bytes']} bytes "
+        f"({summary['wall_s']:.1f} s of wall time)",
+        highlight=False,
+    )
     if not summary["completed"]:
         console.print(f"ended early, at tick {summary['ticks']}", style="yellow")
     console.print(f"run hash {summary['run_hash']}", highlight=False)

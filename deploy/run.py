@@ -33,8 +33,11 @@ def run_scenario(given: argparse.Namespace) -> int:
     folder = new_folder(path.stem, given.out)
     (folder / "scenario.toml").write_text(to_toml(scenario), "utf-8")
     console = console_for(given.json)
-    console.print(f"run {folder.name}: {len(scenario.node_ids)} nodes, {last_tick * scenario.tick_s:.0f} s, "
-                  f"seed {scenario.seed}", highlight=False)
+    console.print(
+        f"run {folder.name}: {len(scenario.node_ids)} nodes, {last_tick * scenario.tick_s:.0f} s, "
+        f"seed {scenario.seed}",
+        highlight=False,
+    )
     began = time.monotonic()
     with ProgressLine(console, scenario, last_tick) as progress:
         if given.in_process:
@@ -59,14 +62,15 @@ def _settings(given: argparse.Namespace) -> list[str]:
 
 
 def _overrides(given: argparse.Namespace) -> dict[str, Any]:
-    """The fault plan of `--faults-from`: everything that befell that run, planned or not, and nothing else."""
+    """The fault plan of `--faults-from`: all that befell that run, planned or not, and nothing else."""
     if given.faults_from is None:
         return {}
     folder = find_folder(given.faults_from)
     tick_s = load_scenario(folder / "scenario.toml").tick_s
     faults = [fault for commit in commits(folder / "journal") for fault in commit.facts.faults]
     plan = [
-        {"at_s": one.tick * tick_s, "verb": one.verb, "nodes": [one.node], "memory": one.memory} for one in faults
+        {"at_s": one.tick * tick_s, "verb": one.verb, "nodes": [one.node], "memory": one.memory}
+        for one in faults
     ]
     return {"faults": plan}
 

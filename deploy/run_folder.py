@@ -109,5 +109,7 @@ def _private() -> Path:
     place.mkdir(mode=0o700, exist_ok=True)
     status = place.lstat()
     if status.st_uid != os.getuid() or status.st_mode & 0o077 or not place.is_dir():
-        raise RunError(f"{place}: must be a directory that only you can read; remove it or set XDG_RUNTIME_DIR")
+        raise RunError(
+            f"{place}: must be a directory that only you can read; remove it or set XDG_RUNTIME_DIR"
+        )
     return place

@@ -220,8 +220,10 @@ def _check(scenario: Scenario, source: str) -> None:
         refuse(f"metrics_from_s must be <= duration_s ({scenario.duration_s}), got {scenario.metrics_from_s}")
     start = scenario.robots.start
     if isinstance(start, Poses) and len(start.poses) != len(scenario.robot_ids):
-        refuse(f"robots.start.poses must have one pose for each of {len(scenario.robot_ids)} robots, "
-               f"got {len(start.poses)}")
+        refuse(
+            f"robots.start.poses must have one pose for each of {len(scenario.robot_ids)} robots, "
+            f"got {len(start.poses)}"
+        )
     known = ", ".join(scenario.node_ids)
     for number, rule in enumerate(scenario.radio.rules):
         for node in (one for group in rule.groups for one in group) if isinstance(rule, Partition) else ():

@@ -1,4 +1,4 @@
-"""A robot process: `python -m swarm_agent NODE --ticket-fd N --parent-pid P [--memory-fd M]`, started by the launcher."""
+"""A robot process: `python -m swarm_agent NODE --ticket-fd N --parent-pid P [--memory-fd M]`."""
 
 from swarm_agent.startup import run_node
 

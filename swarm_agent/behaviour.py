@@ -85,9 +85,13 @@ def find_behaviour(name: str, package: str) -> type[Behaviour]:
     if colon:
         found = [getattr(module, class_name, None)]
     else:
-        found = [one for one in vars(module).values() if _is_behaviour(one) and one.__module__ == module.__name__]
+        found = [
+            one for one in vars(module).values() if _is_behaviour(one) and one.__module__ == module.__name__
+        ]
     if len(found) != 1 or not _is_behaviour(found[0]):
-        raise BehaviourError(f"{name!r} does not name exactly one subclass of swarm_agent.behaviour.Behaviour")
+        raise BehaviourError(
+            f"{name!r} does not name exactly one subclass of swarm_agent.behaviour.Behaviour"
+        )
     return found[0]
 
 

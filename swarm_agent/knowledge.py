@@ -15,7 +15,7 @@ Own = TypeVar("Own")
 
 
 class News(msgspec.Struct, frozen=True, array_like=True):
-    """Times of last known visits. `visited_tick`: uint32; `sites`: uint16, or empty for all sites in order."""
+    """Times of last known visits. `visited_tick`: uint32; `sites`: uint16, empty for all in order."""
 
     visited_tick: bytes
     sites: bytes = b""

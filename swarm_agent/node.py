@@ -76,7 +76,7 @@ def _embody(configuration: Configuration, package: str) -> Behaviour:
 
 
 def live(ticket: Ticket, package: str, memory: list[bytes]) -> None:
-    """Join the run and answer grants until the end. `memory`: percepts of a former life, lived again first."""
+    """Join the run and answer grants until the end. `memory`: percepts of a former life, lived first."""
     mind = Mind(package)
     for percept_bytes in memory:
         mind.answer(percept_bytes)

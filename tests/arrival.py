@@ -21,7 +21,7 @@ class Place(msgspec.Struct, frozen=True, array_like=True):
 
 
 class Arrival(Behaviour):
-    """Reports its place in the order of arrival; the lowest number dawdles, so that this is not node order."""
+    """Reports its place in the order of arrival; the lowest number dawdles: not in node order."""
 
     Parameters = ArrivalParameters
 

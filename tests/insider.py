@@ -1,7 +1,7 @@
 """A robot that patrols as it should, and whose code misuses the one link that its process has.
 
 In a process it finds the link in memory and tries, through that session with all its rights, to hear and to
-say what is others'. In a rehearsal there is no link, and it only patrols. What it heard is in what it reports,
+say what is others'. In a rehearsal there is no link, and it only patrols. What it heard is in its reports,
 and so in the run's hash.
 """
 
@@ -45,8 +45,14 @@ class Insider(LrPt):
         kept = next(str(one.key_expr) for one in link._kept if hasattr(one, "key_expr"))
         run, own = kept.split("/node/")[0], self.configuration.node
         others = [node for node in NEIGHBOURS if node != own]
-        for key in ("**", f"{run}/**", f"{run}/world/truth", f"{run}/world/event", f"{run}/supervisor/order",
-                    *(f"{run}/node/{node}/{what}" for node in others for what in ("percept", "action"))):
+        for key in (
+            "**",
+            f"{run}/**",
+            f"{run}/world/truth",
+            f"{run}/world/event",
+            f"{run}/supervisor/order",
+            *(f"{run}/node/{node}/{what}" for node in others for what in ("percept", "action")),
+        ):
             link.subscribe(key, self._listener(f"{run}/node/{own}/percept"))
         forged = codec.encode(Action(BEGIN_TICK + 1, BEGIN_TICK + 1, GoTo(0.0, 0.0), (), BEGIN_TICK + 2))
         end = codec.encode(Percept(BEGIN_TICK, 2**53, "end", Senses()))

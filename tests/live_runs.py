@@ -1,4 +1,4 @@
-"""Real runs for tests: a small scenario, run as processes here or by the command line, and what came of it."""
+"""Real runs for tests: a small scenario, as processes or by the command line, and what came of it."""
 
 import asyncio
 import json
@@ -47,8 +47,15 @@ range_m = 90
 DEADLINE_S = 60.0
 
 
-def small(folder: Path, *settings: str, duration_s: int = 200, robots: int = 4, behaviour: str = "lr_pt",
-          faults: str = "", parameters: str = "") -> Path:
+def small(
+    folder: Path,
+    *settings: str,
+    duration_s: int = 200,
+    robots: int = 4,
+    behaviour: str = "lr_pt",
+    faults: str = "",
+    parameters: str = "",
+) -> Path:
     """A scenario file: four robots and a tower on 6 x 6 cells."""
     path = folder / "small.toml"
     text = SMALL.format(duration_s=duration_s, robots=robots, behaviour=behaviour, parameters=parameters)
@@ -137,8 +144,13 @@ class Command:
 
     def event(self, kind: str, node: str = "") -> dict[str, Any]:
         """Wait for an event of a kind."""
-        return until(lambda: next((one for one in events(self.folder) if one["kind"] == kind
-                                   and node in ("", one["node"])), None), f"event {kind} {node}")
+        return until(
+            lambda: next(
+                (one for one in events(self.folder) if one["kind"] == kind and node in ("", one["node"])),
+                None,
+            ),
+            f"event {kind} {node}",
+        )
 
     def signal(self, number: int) -> None:
         """Send the launcher a signal."""

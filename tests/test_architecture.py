@@ -31,7 +31,7 @@ MAY_IMPORT = {
 
 ONLY_IN = {
     "zenoh": ("wire/link.py",),
-    "rerun": ("deploy/dashboard.py", "deploy/picture.py"),
+    "rerun": ("deploy/drawing.py", "deploy/picture.py"),
     "signal": ("deploy/process.py",),
     "subprocess": ("deploy/process.py",),
     "multiprocessing": (),

@@ -73,11 +73,9 @@ MISTAKES = {
     "run small.toml --set radio.rules.0.range_m=-3": "radio.rules[0].range_m must be a number > 0.0, got -3",
     "run small.toml --set radio.rules.0.range_m=nan": "radio.rules[0].range_m must be finite, got nan",
     "run small.toml --set robots.behaviour=lr_tp": "robots.behaviour: there is no behaviour 'lr_tp'",
-    "run small.toml --set robots.behaviour=their_behaviours:Mine":
-        "'their_behaviours:Mine' cannot be imported: RuntimeError: not yet",
+    "run small.toml --set robots.behaviour=their_behaviours:Mine": "RuntimeError: not yet",
     "run small.toml --set clock.kind=slow": "clock.kind must be lockstep or paced, got 'slow'",
-    "run small.toml --set faults=[{at_s=3,verb='kill',nodes=['r9']}]":
-        f"faults[0].nodes: there is no node r9; nodes are {TOWER_AND_TEAM}",
+    "run small.toml --set faults=[{at_s=3,verb='kill',nodes=['r9']}]": "faults[0].nodes: there is no node r9",
     "run small.toml --set radio.rules.7.range_m=3": "--set radio.rules.7.range_m=3: there is no such place",
     "run small.toml --set seed": "--set seed: must be key.path=value",
     "run small.toml --until 0": "--until: must be a number > 0, got '0'",

@@ -49,4 +49,4 @@ def test_refuses_what_cannot_be_measured(option: str, value: str) -> None:
     """One line that names the option and the value, and exit code 2."""
     done = bench(option, value)
     assert done.returncode == 2
-    assert done.stderr.strip() == f"picket: {option} must be >= 1, got {value}"
+    assert done.stderr.startswith(f"picket: {option}: must be a whole number >= 1, got '{value}'")

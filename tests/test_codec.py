@@ -42,6 +42,8 @@ def strategy_of(kind):
 
 
 def field_of(kind, name, hint):
+    if name == "value":
+        return st.floats(0, allow_nan=False, allow_infinity=False)
     if hint is messages.NodeId:
         return ids
     if hint is messages.Count:

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from rerun.chunk import RrdReader
 
-from deploy.dashboard import Picture, record
+from deploy.dashboard import record
+from deploy.drawing import Picture
 from deploy.rehearsal import rehearse
 from deploy.scenario_file import find_scenario, load_scenario, to_toml
 from deploy.scene import Scene
@@ -103,6 +104,7 @@ def test_every_link_ends_at_nodes_and_is_no_longer_than_the_range(rows: dict[str
 def test_links_are_cleared_where_nothing_was_delivered() -> None:
     """Otherwise the viewer would show the last links for ever."""
     scene, logged = silent_scene(), []
+
     class Stream:
         def log(self, entity: str, what: object, static: bool = False) -> None:
             logged.append((entity, type(what).__name__))

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from tests.test_dashboard import LAST_TICK, Run, rows_of
 
 from deploy.following import Follower, Handover
 from deploy.scene import Scene
+from tests.test_dashboard import LAST_TICK, Run, rows_of
 from wire import channels, codec
 from wire.credentials import Ticket, fresh, hand_over, make_book
 from wire.link import Publisher, open_router
@@ -99,7 +99,7 @@ class Live:
         self.joined = threading.Event()
         observer = book.ticket("observer1")
         self.link.watch_sessions(
-            lambda session: self.joined.set() if session == observer.credential.session else None
+            lambda session, _: self.joined.set() if session == observer.credential.session else None
         )
         key = channels.key("run1", channels.TRUTH)
         self.lossless = self.link.publisher(key)  # a burst, as a test makes it, would be dropped in part
@@ -135,8 +135,21 @@ def start_dashboard(folder: Path, ticket: Ticket) -> tuple[subprocess.Popen, obj
     """The process as the launcher starts it, and what it says on its descriptor."""
     secret = hand_over(ticket)
     reading, writing = os.pipe()
-    command = [sys.executable, "-m", "deploy.dashboard", "--folder", str(folder), "--mode", "file",
-               "--ticket-fd", str(secret), "--say-fd", str(writing), "--parent-pid", str(os.getpid())]
+    command = [
+        sys.executable,
+        "-m",
+        "deploy.dashboard",
+        "--folder",
+        str(folder),
+        "--mode",
+        "file",
+        "--ticket-fd",
+        str(secret),
+        "--say-fd",
+        str(writing),
+        "--parent-pid",
+        str(os.getpid()),
+    ]
     process = subprocess.Popen(command, pass_fds=(secret, writing))
     os.close(secret)
     os.close(writing)

@@ -1,4 +1,4 @@
-"""The same seed gives the same run, whatever the processes do; another seed, or an unfair behaviour, does not."""
+"""The same seed gives the same run, whatever the processes do; an unfair behaviour does not."""
 
 import random
 import subprocess
@@ -57,8 +57,12 @@ def test_a_behaviour_that_depends_on_the_order_of_arrival_is_found_out(tmp_path)
     hashes = []
     for name, run in (("rehearsal", rehearsed), ("live", as_processes)):
         shared = tmp_path / f"{name}.shared"
-        path = small(tmp_path, duration_s=40, behaviour="tests.arrival:Arrival",
-                     parameters=f'parameters = {{ path = "{shared}" }}')
+        path = small(
+            tmp_path,
+            duration_s=40,
+            behaviour="tests.arrival:Arrival",
+            parameters=f'parameters = {{ path = "{shared}" }}',
+        )
         hashes.append(run(tmp_path, path, name))
     equal, text = compare(*hashes)
     assert not equal
@@ -76,9 +80,23 @@ def test_a_kill_by_hand_is_repeated_with_faults_from(tmp_path):
         assert run.wait() == 0
     by_hand = run.folder
     again = subprocess.run(
-        [sys.executable, "-m", "deploy", "run", str(path), "--faults-from", str(by_hand), "--dashboard", "off",
-         "--out", str(tmp_path / "again"), "--in-process"],
-        check=True, capture_output=True, text=True,
+        [
+            sys.executable,
+            "-m",
+            "deploy",
+            "run",
+            str(path),
+            "--faults-from",
+            str(by_hand),
+            "--dashboard",
+            "off",
+            "--out",
+            str(tmp_path / "again"),
+            "--in-process",
+        ],
+        check=True,
+        capture_output=True,
+        text=True,
     )
     assert run_hash(by_hand) in again.stdout
     assert compare(by_hand, next((tmp_path / "again").iterdir()))[0]

@@ -1,16 +1,12 @@
 """A robot cannot hear or speak out of turn, whoever joins its run and whatever is said there."""
 
 import asyncio
-import json
-import os
-import stat
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-import msgspec
 import psutil
 import pytest
 import zstandard
@@ -20,165 +16,11 @@ from deploy.recorder import events
 from deploy.rehearsal import rehearse
 from deploy.scenario_file import load_scenario, to_toml
 from tests.insider import Loot
-from tests.live_runs import DEADLINE_S, as_processes, rehearsed, run_folder, run_hash, small, until
+from tests.live_runs import as_processes, run_folder, run_hash, small
 from tests.oracle import Oracle
-from tests.rogue import Plan
-from wire import channels, codec
-from wire.credentials import OBSERVERS, OPERATOR, SUPERVISOR, Book, Credential, fresh, hand_over
-from wire.link import open_client
-from wire.messages import Action, Reply, Request
+from tests.siege import OTHER_SPARE, OVERSIZE, SCENARIO, SPARE, TICKS, Siege, attack
+from wire import codec
 from world_server.journal import commits, read
-
-TICKS = 250
-VICTIMS = ("r2", "r3")
-SPARE, OTHER_SPARE = "r6", "r7"
-LISTENING_TICKS = 10
-OVERSIZE = 9 * 1024 * 1024
-SCENARIO = f"""
-mission = "area"
-duration_s = {TICKS}
-field = {{ kind = "grid", columns = 8, rows = 8 }}
-robots = {{ count = 4, behaviour = "lr_pt", spares = 2 }}
-clock = {{ kind = "paced", rate = 5 }}
-radio = {{ rules = [{{ kind = "range", range_m = 90 }}] }}
-"""
-
-
-class Process:
-    """A rogue process and what it told."""
-
-    def __init__(self, plan: Plan) -> None:
-        descriptor = hand_over(msgspec.msgpack.encode(plan))
-        command = [sys.executable, "-m", "tests.rogue", str(descriptor)]
-        pipe = subprocess.PIPE
-        self._popen = subprocess.Popen(command, pass_fds=[descriptor], stdin=pipe, stdout=pipe, text=True)
-        os.close(descriptor)
-        self.told: dict[str, Any] = {"pid": self._popen.pid}
-
-    def read(self) -> dict[str, Any]:
-        """Wait for the next line and take it over; nothing at the end."""
-        line = self._popen.stdout.readline()
-        self.told |= json.loads(line) if line else {}
-        return self.told
-
-    def stop(self) -> None:
-        """Let it tell what it heard, and end."""
-        self._popen.stdin.write("\n")
-        self._popen.stdin.flush()
-        self.read()
-
-    def end(self) -> None:
-        """Nothing is left."""
-        self._popen.kill()
-        self._popen.communicate()
-
-
-class Siege(NamedTuple):
-    """All that was seen of a run while rogues attacked it."""
-
-    folder: Path
-    book: Book
-    rogues: dict[str, dict[str, Any]]
-    events: list[dict[str, Any]]
-    sockets: dict[str, list[Any]]
-    public: dict[str, bytes]
-    operator_file: tuple[int, int]
-    operator_file_left: bool
-    alive_after: list[str]
-
-    def heard_by(self, rogue: str) -> set[str]:
-        """Keys of everything that a rogue heard or was answered, without the run's prefix."""
-        told = self.rogues[rogue]
-        prefix = f"picket/{self.book.run}/"
-        return {one.replace(prefix, "") for one in told["heard"] + told["replies"]}
-
-
-def rogues_of(book: Book) -> dict[str, Plan]:
-    """Every rogue by name; all of them try everything."""
-
-    def plan(credential: Credential | None, own: str = "", say: tuple[bytes, ...] = ()) -> Plan:
-        return Plan(book.run, book.endpoint, credential, VICTIMS, own, say)
-
-    def borrowed(user: str) -> Credential:
-        password = book.ticket(user).credential.password
-        return Credential(user, password, fresh(user).session)
-
-    return {
-        "nobody": plan(None),
-        "guesser": plan(fresh("r2")),
-        "spare": plan(book.nodes[SPARE], SPARE, garbage()),
-        "twin": plan(book.nodes["r2"]),
-        "twin of the launcher": plan(book.others[SUPERVISOR]),
-        "thief": plan(borrowed("r2")),
-        "thief of the launcher": plan(borrowed(SUPERVISOR)),
-        "observer": plan(book.others[OBSERVERS[1]]),
-        "operator": msgspec.structs.replace(plan(book.others[OPERATOR]), may_ask=True),
-    }
-
-
-def garbage() -> tuple[bytes, ...]:
-    """100 messages of every kind that no world should take for an action."""
-    stale = codec.encode(Action(0, 0, None, (b"hear me",), 1))
-    frames = codec.encode(Action(1, 1, None, (bytes(100_000),) * 3, 2))
-    kinds = (b"", b"\x00", b"\xff" * 64, b"\x01\xc1", b"\x02" + stale[1:], stale[:-1], stale, frames)
-    return (bytes(OVERSIZE), *(kinds * 13)[:99])
-
-
-def attack(launcher: Launcher, ticks: list[int], folder: Path) -> dict[str, Any]:
-    """Let all rogues loose on a live run; returns what was seen."""
-    until(lambda: ticks, "the first tick")
-    plans = rogues_of(launcher.book)
-    rogues = {name: Process(plan) for name, plan in plans.items()}
-    try:
-        joined = [one for one in rogues.values() if one.read()["joined"]]
-        for one in joined:
-            one.read()
-        enough = ticks[-1] + LISTENING_TICKS
-        until(lambda: ticks[-1] >= enough, "the run to go on")
-        until(lambda: refusals(folder, 100), "the world to have had all of the spare's garbage")
-        seen = {"sockets": sockets(launcher), "public": public_files(launcher)}
-        for one in joined:
-            one.stop()
-    finally:
-        for one in rogues.values():
-            one.end()
-    operator_file = next((folder.parent / "private").glob("picket-*/*.json"))
-    modes = tuple(stat.S_IMODE(place.stat().st_mode) for place in (operator_file, operator_file.parent))
-    alive = hurry(launcher.book)
-    return seen | {
-        "rogues": {name: one.told for name, one in rogues.items()},
-        "operator_file": modes,
-        "alive_after": alive,
-    }
-
-
-def hurry(book: Book) -> list[str]:
-    """Let the run go on as fast as it can; returns who is alive."""
-    link = open_client(book.ticket(OPERATOR))
-    answer = link.ask(channels.key(book.run, channels.CONTROL), codec.encode(Request("speed")), DEADLINE_S)
-    link.close()
-    return codec.decode(Reply, answer).data["alive"]
-
-
-def refusals(folder: Path, count: int) -> list[dict[str, Any]]:
-    """Events of refused actions of the spare that count so many."""
-    return [one for one in events(folder) if one["kind"] == "refused" and one["data"].get("count") == count]
-
-
-def sockets(launcher: Launcher) -> dict[str, list[Any]]:
-    """Every socket of every process of a run, of whatever family."""
-    return {
-        name: psutil.Process(child.pid).net_connections("all") for name, _, child, _ in launcher.processes
-    }
-
-
-def public_files(launcher: Launcher) -> dict[str, bytes]:
-    """What everybody can read of every process: its command line, and its environment."""
-    return {
-        f"{name} {what}": Path(f"/proc/{child.pid}/{what}").read_bytes()
-        for name, _, child, _ in launcher.processes
-        for what in ("cmdline", "environ")
-    }
 
 
 @pytest.fixture(scope="module")
@@ -292,12 +134,22 @@ def test_the_operators_file_is_private_and_gone_after_the_run(siege: Siege) -> N
     assert not siege.operator_file_left
 
 
+def rehearsed_apart(folder: Path, team: Path) -> Path:
+    """A rehearsal in a process without a link for the insider to find; this one has had several."""
+    out = folder / "apart"
+    command = [sys.executable, "-m", "deploy", "run", str(team), "--in-process", "--dashboard", "off"]
+    subprocess.run([*command, "--out", str(out)], check=True, capture_output=True)
+    return next(out.iterdir())
+
+
 def test_a_robot_that_misuses_its_own_link_hears_nothing_and_changes_nothing(tmp_path: Path) -> None:
     team = small(tmp_path, duration_s=60, behaviour="tests.insider:Insider")
     live = as_processes(tmp_path, team)
-    reports = [report for one in commits(live / "journal") for node, report in one.facts.reports if node != "r1"]
+    reports = [
+        report for one in commits(live / "journal") for node, report in one.facts.reports if node != "r1"
+    ]
     assert {codec.decode(Loot, report).keys for report in reports} == {()}
-    assert run_hash(live) == run_hash(rehearsed(tmp_path, team))
+    assert run_hash(live) == run_hash(rehearsed_apart(tmp_path, team))
     refused = [one for one in events(live) if one["kind"] == "refused"]
     assert {one["node"] for one in refused} == {"r2", "r3", "r4", "r5"}
     whys = ("no grant is open", "malformed", "stale")

@@ -11,6 +11,7 @@ TOP_LEVEL = {
     "README.md",
     *FLOORS,
     "LICENSE",
+    "docs",
     "uv.lock",
     "requirements.lock",
     ".ci",

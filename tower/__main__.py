@@ -1,4 +1,4 @@
-"""The tower process: `python -m tower NODE --ticket-fd N --parent-pid P [--memory-fd M]`, started by the launcher."""
+"""The tower process: `python -m tower NODE --ticket-fd N --parent-pid P [--memory-fd M]`."""
 
 from swarm_agent.startup import run_node
 

@@ -10,10 +10,12 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-# Read once when zenoh is loaded: one runtime thread does all the work (two in the world, whose close could
-# otherwise hang), which costs a quarter less processor time than the default pools.
-_RUNTIME = "(rx:(handover:app),tx:(handover:app),acc:(handover:app),net:(handover:app),app:(worker_threads:{}))"
-os.environ.setdefault("ZENOH_RUNTIME", _RUNTIME.format(os.environ.get("PICKET_RUNTIME_THREADS", "1")))
+# Read once when zenoh is loaded: one runtime thread does all the work, which costs a quarter less processor
+# time than the default pools. A close that hangs is bounded below.
+_RUNTIME = (
+    "(rx:(handover:app),tx:(handover:app),acc:(handover:app),net:(handover:app),app:(worker_threads:1))"
+)
+os.environ.setdefault("ZENOH_RUNTIME", _RUNTIME)
 
 import zenoh  # noqa: E402
 
@@ -93,7 +95,7 @@ class Link:
         self._kept.append(handle)
 
     def answer(self, key: str, enqueue: Callable[[bytes, Callable[[bytes], None]], None]) -> None:
-        """Hand every query on `key` to `enqueue(data, reply)`; `reply(bytes)` may be called from any thread."""
+        """Hand every query on `key` to `enqueue(data, reply)`; `reply(bytes)` may be called anywhere."""
 
         def on_query(query: zenoh.Query) -> None:
             def reply(data: bytes) -> None:

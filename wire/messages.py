@@ -49,7 +49,7 @@ class Frame(Message):
 class Configuration(Message):
     """All that a node is told about itself and its mission, once, in its first percept.
 
-    `parameters` is the behaviour's own Struct, encoded; `generator_key` seeds the node's only source of chance.
+    `parameters` is the behaviour's own Struct, encoded; `generator_key` seeds the node's only chance.
     """
 
     node: NodeId

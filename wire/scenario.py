@@ -80,7 +80,7 @@ class Latency(Section, tag_field="kind", tag="latency"):
 
 
 class Partition(Section, tag_field="kind", tag="partition"):
-    """From `from_s` until `until_s` nothing passes between nodes of different groups; the rest is one group."""
+    """From `from_s` until `until_s` nothing passes between different groups; the rest is one group."""
 
     groups: tuple[tuple[NodeId, ...], ...]
     from_s: NotNegative = 0.0

@@ -13,9 +13,9 @@ from wire.link import LinkError, open_router
 from wire.messages import Event
 from wire.scenario import Scenario
 from world_server.access import access_control
-from world_server.clock import Clock
+from world_server.clock import Abort, Clock
 from world_server.events import EventLog
-from world_server.exchange import Abort, LiveSwarm
+from world_server.exchange import LiveSwarm
 from world_server.journal import Journal
 from world_server.world import World
 

@@ -22,7 +22,13 @@ def access_control(book: Book) -> dict[str, Any]:
     needs[OPERATOR] = _operator(run)
     needs[SUPERVISOR] = _supervisor(run)
     rules = [
-        {"id": f"{user}-{number}", "permission": "allow", "messages": [message], "flows": [flow], "key_exprs": [key]}
+        {
+            "id": f"{user}-{number}",
+            "permission": "allow",
+            "messages": [message],
+            "flows": [flow],
+            "key_exprs": [key],
+        }
         for user, wanted in needs.items()
         for number, (message, flow, key) in enumerate(wanted)
     ]

@@ -10,6 +10,10 @@ from world_server.journal import Journal
 from world_server.world import World
 
 
+class Abort(Exception):
+    """The run cannot go on; the text says why."""
+
+
 class Interrupted(Exception):
     """The run is to end, and some node does not answer: the tick under way is given up."""
 

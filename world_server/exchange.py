@@ -8,8 +8,6 @@ the sender's id, and dropped.
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping
-from queue import Empty, SimpleQueue
-from threading import TIMEOUT_MAX
 from typing import Any
 
 from wire import channels, codec
@@ -31,32 +29,32 @@ from wire.messages import (
     Started,
 )
 from wire.scenario import Scenario
-from world_server.clock import Befallen, Interrupted
+from world_server.clock import Abort, Befallen, Interrupted
+from world_server.mailbox import Mailbox
 from world_server.observers import Observers
 from world_server.pace import Pace
 from world_server.strangers import process_behind
 
 START_WITHIN_S = 60.0
 ORDER_WITHIN_S = 30.0
+REMEMBER_WITHIN_S = 1800.0  # a mind that is to be kept is first fed with all it ever heard
 TOKEN_WITHIN_S = 5.0
 LAST_ANSWERS_WITHIN_S = 1.0
 WATCHDOG_AT = (1, 3, 10)
 FAULT_VERBS = ("kill", "freeze", "thaw", "restart")
 
 
-class Abort(Exception):
-    """The run cannot go on; the text says why."""
-
-
 class LiveSwarm:
     """All node processes of a run, behind one link. Also the ear for operators and for the launcher."""
 
-    def __init__(self, link: Link, book: Book, scenario: Scenario, write_event: Callable[[Event], None]) -> None:
+    def __init__(
+        self, link: Link, book: Book, scenario: Scenario, write_event: Callable[[Event], None]
+    ) -> None:
         self.finishing = False
         self._last_moment = math.inf
         self._scenario = scenario
         self._tick = 0
-        self._queue: SimpleQueue = SimpleQueue()
+        self._mailbox = Mailbox()
         self._alive: set[str] = set()
         self._pids: dict[str, int] = {}
         self._incarnations: dict[str, int] = dict.fromkeys(scenario.node_ids, -1)
@@ -73,24 +71,27 @@ class LiveSwarm:
         self._listen(link, book)
 
     def _listen(self, link: Link, book: Book) -> None:
-        run, put = book.run, self._queue.put
-        self._percepts = {
-            node: link.publisher(channels.key(run, channels.PERCEPT, node)) for node in self._scenario.node_ids
-        }
-        self._orders = link.publisher(channels.key(run, channels.ORDER))
-        link.subscribe(channels.key(run, channels.ACTION), lambda key, data: put((self._on_action, key, data)))
-        link.subscribe(channels.key(run, channels.NOTICE), lambda _, data: put((self._on_notice, data)))
-        link.watch_tokens(channels.key(run, channels.ALIVE), lambda key, alive: put((self._on_token, key, alive)))
-        link.watch_sessions(lambda session, address: put((self._on_session, session, address)))
-        link.answer(channels.key(run, channels.CONTROL), lambda data, reply: put((self._on_request, data, reply)))
+        def key(channel: channels.Channel, node: str = "*") -> str:
+            return channels.key(book.run, channel, node)
 
-    # What the clock asks for
+        self._percepts = {
+            node: link.publisher(key(channels.PERCEPT, node)) for node in self._scenario.node_ids
+        }
+        self._orders = link.publisher(key(channels.ORDER))
+        into = self._mailbox.into
+        link.subscribe(key(channels.ACTION), into(self._on_action))
+        link.subscribe(key(channels.NOTICE), into(self._on_notice))
+        link.watch_tokens(key(channels.ALIVE), into(self._on_token))
+        link.watch_sessions(into(self._on_session))
+        link.answer(key(channels.CONTROL), into(self._on_request))
 
     def gather(self) -> None:
-        """Wait until every node has started and is heard of. Raises Abort with the names of the missing."""
+        """Wait until every node has started and is heard of. Raises Abort, with the names of the missing."""
         nodes = set(self._scenario.node_ids)
-        self._wait(lambda: nodes <= self._alive | self._gone.keys() or self.finishing, START_WITHIN_S)
+        self._mailbox.wait(lambda: nodes <= self._alive or self._gone or self.finishing, START_WITHIN_S)
         missing = sorted(nodes - self._alive, key=channels.number_of)
+        if self._gone and not self.finishing:
+            raise Abort("; ".join(self._gone.values()) + ", before the run began; its log says more")
         if missing and not self.finishing:
             raise Abort(f"no sign of {', '.join(map(self._called, missing))} within {START_WITHIN_S:.0f} s")
 
@@ -113,7 +114,7 @@ class LiveSwarm:
         while self._open:
             budget_s = self._scenario.watchdog.budget_s
             limit = since + budget_s * WATCHDOG_AT[warned] if warned < len(WATCHDOG_AT) else math.inf
-            if self._take(min(limit, self._last_moment)):
+            if self._mailbox.take(min(limit, self._last_moment)):
                 continue
             if self.finishing:
                 raise Interrupted
@@ -128,34 +129,38 @@ class LiveSwarm:
         self._order += 1
         number, node = self._order, fault.node
         self._orders.put(codec.encode(Order(number, fault)))
-        self._wait(lambda: number in self._done, ORDER_WITHIN_S)
+        patience_s = REMEMBER_WITHIN_S if fault.memory == "kept" else ORDER_WITHIN_S
+        self._mailbox.wait(lambda: number in self._done, patience_s)
         done = self._done.pop(number, None)
         if done is None or not done.confirmed:
-            return done.reason if done else f"no word from the launcher within {ORDER_WITHIN_S:.0f} s"
+            return done.reason if done else f"no word from the launcher within {patience_s:.0f} s"
         if fault.verb == "kill":
-            self._wait(lambda: node not in self._alive, TOKEN_WITHIN_S)
+            self._mailbox.wait(lambda: node not in self._alive, TOKEN_WITHIN_S)
         elif fault.verb in ("restart", "thaw"):
-            self._wait(lambda: node in self._alive or node in self._gone, ORDER_WITHIN_S)
+            self._mailbox.wait(lambda: node in self._alive or node in self._gone, patience_s)
             if node in self._gone:
                 return self._gone.pop(node)
             if node not in self._alive:
-                return f"it did not come back within {ORDER_WITHIN_S:.0f} s"
+                return f"it did not come back within {patience_s:.0f} s"
         pause_ms = round(1000 * (time.monotonic() - began), 2)
         data = {"verb": fault.verb, "confirmed": True, "pid": self._pids.get(node), "pause_ms": pause_ms}
         self.tell(Event(fault.tick, "fault", node, f"{fault.verb} {self._called(node)}, confirmed", data))
         return ""
 
     def boundary(self, tick: int) -> Iterator[Befallen]:
-        """Hold for the pace and for a pause; then give out deaths and operators' wishes, in order of arrival."""
+        """Hold for the pace and for a pause; give out deaths and operators' wishes as they arrive."""
         self._tick = tick
-        self._drain()
-        self._hold(tick)
-        for node in sorted(self._gone, key=channels.number_of):
-            self._gone.pop(node)
-            yield Befallen(Fault(tick, "kill", node), True, lambda trouble: None)
-        while self._wishes:
+        self._mailbox.drain()
+        while True:
+            wanted = self._hold(tick)
+            for node in sorted(self._gone, key=channels.number_of):
+                self._gone.pop(node)
+                yield Befallen(Fault(tick, "kill", node), True, lambda trouble: None)
+            if not wanted:
+                return
             wish, reply = self._wishes.pop(0)
-            yield Befallen(Fault(tick, wish.verb, wish.node, wish.memory), False, self._answerer(wish, reply))
+            fault = Fault(tick, wish.verb, wish.node, wish.memory)
+            yield Befallen(fault, False, self._answerer(wish, reply))
 
     def finish(self, tick: int) -> None:
         """Tell all nodes that it is over, and observers the last facts."""
@@ -163,8 +168,6 @@ class LiveSwarm:
         end = codec.encode(Percept(tick, 2**53, "end", Senses()))
         for node in self._alive & set(self._percepts):
             self._percepts[node].put(end)
-
-    # What arrives
 
     def _on_action(self, key: str, data: bytes) -> None:
         node = channels.node_of(key)
@@ -183,7 +186,8 @@ class LiveSwarm:
 
     def _refuse(self, node: str, why: str, data: bytes) -> None:
         text = f"an action of {node} was refused: {why}"
-        self._observers.tell_some(self._tick, "refused", node, text, {"bytes": len(data)}, of=why.split(":")[0])
+        kind = why.split(":")[0]
+        self._observers.tell_some(self._tick, "refused", node, text, {"bytes": len(data)}, of=kind)
 
     def _on_token(self, key: str, alive: bool) -> None:
         node = channels.node_of(key)
@@ -198,15 +202,16 @@ class LiveSwarm:
 
     def _on_session(self, session: str, address: str) -> None:
         if session not in self._known_sessions:
-            text = f"{process_behind(address)} joined with somebody's password, but not with their session: no rights"
-            data = {"session": session, "address": address}
+            who, data = process_behind(address), {"session": session, "address": address}
+            text = f"{who} joined with somebody's password, but not with their session: it has no rights"
             self._observers.tell_some(self._tick, "stranger", "", text, data)
 
-    def _on_notice(self, data: bytes) -> None:
+    def _on_notice(self, key: str, data: bytes) -> None:
         try:
             notice = codec.decode(Notice, data)
         except codec.Malformed as error:
-            return self.tell(Event(self._tick, "refused", "", f"a notice of the launcher was refused: {error}"))
+            text = f"a notice of the launcher was refused: {error}"
+            return self.tell(Event(self._tick, "refused", "", text))
         match notice:
             case Started(node, pid, incarnation):
                 self._pids[node], self._incarnations[node] = pid, incarnation
@@ -238,40 +243,21 @@ class LiveSwarm:
         self._pace.steer(request)
         reply(codec.encode(Reply(True, request.verb, self._status())))
 
-    # How
-
-    def _wait(self, until: Callable[[], bool], at_most_s: float) -> None:
-        limit = time.monotonic() + at_most_s
-        while not until() and self._take(limit):
-            pass
-
-    def _take(self, limit: float = math.inf) -> bool:
-        """Handle one thing that arrived, waiting for it until `limit`. False when nothing came."""
-        try:
-            timeout = min(max(0.0, limit - time.monotonic()), TIMEOUT_MAX)
-            handler, *given = self._queue.get(timeout=timeout)
-        except Empty:
-            return False
-        handler(*given)
-        return True
-
-    def _drain(self) -> None:
-        """Handle what is there now, not what a flood goes on adding meanwhile."""
-        for _ in range(self._queue.qsize()):
-            self._take(time.monotonic())
-
-    def _hold(self, tick: int) -> None:
-        """Let time stand still until the pace allows this tick, or somebody wants something done."""
+    def _hold(self, tick: int) -> bool:
+        """Let time stand still until the pace allows this tick, or, when True, somebody wants something."""
         while not self.finishing and not self._wishes:
             due_s = self._pace.due_s(tick, time.monotonic())
             if due_s == math.inf:
                 self._observers.flush()  # who looks at a run that stands still sees where it stands
-            if due_s <= time.monotonic() or not self._take(due_s):
+            if due_s <= time.monotonic() or not self._mailbox.take(due_s):
                 break
+        if self._wishes and not self.finishing:
+            return True
         late_s = self._pace.begin(tick, time.monotonic())
         if late_s:
-            text = f"time runs {late_s:.1f} s behind the pace of {self._pace.rate:g} simulated seconds per second"
+            text = f"{late_s:.1f} s behind the pace of {self._pace.rate:g} simulated seconds per second"
             self._observers.tell_some(tick, "late", "", text, {"late_s": round(late_s, 3)}, of="pace")
+        return False
 
     def _warn(self, waited_s: float) -> None:
         for node, (grant, _) in self._open.items():

@@ -66,7 +66,7 @@ class Journal:
 
 
 def read(path: Path) -> Iterator[Header | Commit | End]:
-    """All whole records of a journal, which may still be written or have been cut off. Raises JournalError."""
+    """All whole records of a journal, which may be growing or cut off. Raises JournalError."""
     chain = b""
     for kind, expected, data in _records(path):
         try:

@@ -1,6 +1,7 @@
 """Bodies and how they move: a unicycle that turns first and then goes.
 
-Source: speeds from Kobayashi et al. 2025, Table I; the turn-then-go step is our choice, as the paper gives none.
+Source: speeds from Kobayashi et al. 2025, Table I; the turn-then-go step is our choice,
+as the paper gives none.
 """
 
 import math
@@ -73,7 +74,9 @@ def first_poses(scenario: Scenario) -> dict[str, Pose]:
     start = scenario.robots.start
     if isinstance(start, Fan):
         radius_m = start.radius_m or 2 * math.sqrt(len(scenario.node_ids))
-        poses |= {node: _in_fan(scenario.seed, number, radius_m) for number, node in enumerate(scenario.robot_ids)}
+        poses |= {
+            node: _in_fan(scenario.seed, number, radius_m) for number, node in enumerate(scenario.robot_ids)
+        }
     else:
         poses |= {node: Pose(*pose) for node, pose in zip(scenario.robot_ids, start.poses, strict=True)}
     return {node: poses[node] for node in scenario.node_ids}
@@ -83,4 +86,6 @@ def _in_fan(seed: int, row: int, radius_m: float) -> Pose:
     chance = generator(seed, "start", row)
     distance_m = radius_m * math.sqrt(chance.random())
     angle = chance.random() * math.pi / 2
-    return Pose(distance_m * math.cos(angle), distance_m * math.sin(angle), wrapped(chance.random() * 2 * math.pi))
+    return Pose(
+        distance_m * math.cos(angle), distance_m * math.sin(angle), wrapped(chance.random() * 2 * math.pi)
+    )

@@ -10,16 +10,19 @@ from wire.link import Link
 from wire.messages import Event, Facts, TruthBlock
 
 SHOW_EVERY_S = 0.1
-SHOW_AT_MOST = 500
+SHOW_NODE_TICKS = 10_000  # a block must stay well below what a codec reads
 
 
 class Observers:
     """All observers of a run, and its event log. A slow listener loses messages and slows nobody."""
 
-    def __init__(self, link: Link, run: str, nodes: tuple[str, ...], write_event: Callable[[Event], None]) -> None:
+    def __init__(
+        self, link: Link, run: str, nodes: tuple[str, ...], write_event: Callable[[Event], None]
+    ) -> None:
         self._truth = link.publisher(channels.key(run, channels.TRUTH), droppable=True)
         self._events = link.publisher(channels.key(run, channels.EVENT), droppable=True)
         self._nodes = nodes
+        self._at_most = max(1, SHOW_NODE_TICKS // len(nodes))
         self._write_event = write_event
         self._counts: Counter = Counter()
         self._shown: list[Facts] = []
@@ -30,7 +33,9 @@ class Observers:
         self._write_event(event)
         self._events.put(codec.encode(event))
 
-    def tell_some(self, tick: int, kind: str, node: str, text: str, data: dict[str, Any], of: str = "") -> None:
+    def tell_some(
+        self, tick: int, kind: str, node: str, text: str, data: dict[str, Any], of: str = ""
+    ) -> None:
         """Tell of the 1st, 10th, 100th ... event of a kind, so that a flood of garbage floods nothing else.
 
         `of`: what distinguishes kinds, where the text holds more than that.
@@ -43,7 +48,7 @@ class Observers:
     def show(self, facts: Facts) -> None:
         """Collect facts and give them to observers a few times a second."""
         self._shown.append(facts)
-        if time.monotonic() - self._shown_at > SHOW_EVERY_S or len(self._shown) >= SHOW_AT_MOST:
+        if time.monotonic() - self._shown_at > SHOW_EVERY_S or len(self._shown) >= self._at_most:
             self.flush()
 
     def flush(self) -> None:

@@ -10,14 +10,14 @@ from typing import NamedTuple
 import numpy as np
 
 from wire.channels import number_of
-from wire.scenario import Latency, Loss, Partition, Range, RadioSection, Scenario
+from wire.scenario import Latency, Loss, Partition, RadioSection, Range, Scenario
 from world_server.chance import generator
 
 PASS, DROP = -1, 0
 
 
 class Transmissions(NamedTuple):
-    """All (frame, receiver) pairs of one tick: rows of sender and receiver, and the frame's place in the outbox.
+    """All (frame, receiver) pairs of one tick: rows of both nodes, and the frame's place in the outbox.
 
     `apart_m`: (nodes, nodes) distances between the settled positions.
     """
@@ -63,7 +63,11 @@ class Radio:
         self._rules = [(rule, _make(place, rule, nodes, seed, tick_s)) for place, rule in numbered]
 
     def transmit(
-        self, tick: int, outboxes: Mapping[int, Sequence[bytes]], apart_m: np.ndarray, deaf: Sequence[int] = ()
+        self,
+        tick: int,
+        outboxes: Mapping[int, Sequence[bytes]],
+        apart_m: np.ndarray,
+        deaf: Sequence[int] = (),
     ) -> tuple[Deliveries, dict[int, int], Tally]:
         """Judge the outboxes (by row) of one tick on the settled distances, (nodes, nodes).
 

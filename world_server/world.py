@@ -38,7 +38,9 @@ class World:
 
     def poses(self) -> np.ndarray:
         """x_m, y_m, heading_rad of every node: float64, (nodes, 3)."""
-        return np.array([(node.body.x_m, node.body.y_m, node.body.heading_rad) for node in self._rows], dtype="<f8")
+        return np.array(
+            [(node.body.x_m, node.body.y_m, node.body.heading_rad) for node in self._rows], dtype="<f8"
+        )
 
     def percepts(self, tick: int) -> dict[str, Percept]:
         """Grants for every node that is due at `tick`, in order of their numbers."""
@@ -52,9 +54,13 @@ class World:
         return granted
 
     def commit(
-        self, tick: int, percepts: Mapping[str, Percept], actions: Mapping[str, Action], faults: tuple[Fault, ...]
+        self,
+        tick: int,
+        percepts: Mapping[str, Percept],
+        actions: Mapping[str, Action],
+        faults: tuple[Fault, ...],
     ) -> Commit:
-        """Settle one tick: act, settle, talk. Whoever was granted and has no action died without being heard."""
+        """Settle one tick: act, settle, talk. Who was granted and has no action died unheard."""
         answered = [name for name in percepts if name in actions]
         visits = self._visits()
         for name, _ in visits:
@@ -105,7 +111,9 @@ class World:
         """The next tick at which anything can happen, or None when nothing ever will by itself."""
         if not all(node.body.at_rest for node in self._rows):
             return tick + 1
-        if any(node.watches and _names(self._in_sight[row]) != node.seen for row, node in enumerate(self._rows)):
+        if any(
+            node.watches and _names(self._in_sight[row]) != node.seen for row, node in enumerate(self._rows)
+        ):
             return tick + 1
         if self._visits():
             return tick + 1
@@ -169,7 +177,9 @@ class World:
                 node.arrival_pending = True
         self._measure()
 
-    def _talk(self, tick: int, outboxes: Mapping[int, tuple[bytes, ...]]) -> tuple[radio.Deliveries, radio.Tally]:
+    def _talk(
+        self, tick: int, outboxes: Mapping[int, tuple[bytes, ...]]
+    ) -> tuple[radio.Deliveries, radio.Tally]:
         """The radio judges on settled positions; the dead neither speak nor hear."""
         deaf = [row for row, node in enumerate(self._rows) if node.mode == DEAD]
         deliveries, refused, tally = self._radio.transmit(tick, outboxes, self._apart_m, deaf)

@@ -32,8 +32,8 @@ class LrPtParameters(Parameters, frozen=True):
     best step with q lower-numbered robots within `rank_range_m`. Neighbours that complete one cell in the
     same tick cannot have heard each other: `excl` and `exclnext` let them part in order of their numbers.
     All but `none` deviate from the paper.
-    `contact_reading`: `printed` compares contact times as they arrive; `compensated` makes up for the one tick
-    a message takes and lets the lower number take the duty between equals.
+    `contact_reading`: `printed` compares contact times as they arrive; `compensated` makes up for the one
+    tick a message takes and lets the lower number take the duty between equals.
     """
 
     takeover_discount: Annotated[float, msgspec.Meta(ge=0, le=1)] | None = None
@@ -52,8 +52,10 @@ class LrPtParameters(Parameters, frozen=True):
         missing = [name for name in names if getattr(self, name) is None]
         if missing and team_size not in PUBLISHED:
             sizes = ", ".join(map(str, PUBLISHED))
-            raise ValueError(f"{', '.join(missing)} must be given: the paper tuned them only for {sizes} "
-                             f"nodes, this team has {team_size}")
+            raise ValueError(
+                f"{', '.join(missing)} must be given: the paper tuned them only for {sizes} "
+                f"nodes, this team has {team_size}"
+            )
         published = dict(zip(names, PUBLISHED.get(team_size, ()), strict=False))
         return msgspec.structs.replace(self, **{name: published[name] for name in missing})
 
