@@ -11,12 +11,10 @@ from typing import Any, get_args
 import msgspec
 import tomli_w
 
+from deploy.scenario_checks import Mistake, check
 from swarm_agent.behaviour import BehaviourError, find_behaviour, settled_parameters
-from wire.channels import number_of
-from wire.scenario import Partition, Poses, Scenario
+from wire.scenario import Scenario
 
-MAX_TICKS = 2**32 - 1  # times of visits travel as uint32
-MAX_SITES = 2**16  # and their sites as uint16
 WORDS = {"float": "a number", "int": "a whole number", "str": "text", "array": "a list", "object": "a table"}
 SHIPPED = Path(__file__).parent / "scenarios"
 
@@ -69,7 +67,10 @@ def load_scenario(path: Path, settings: list[str] = [], **overrides: Any) -> Sce
         scenario = msgspec.convert(document, Scenario)
     except msgspec.ValidationError as error:
         raise ScenarioError(f"{source}: {_explain(str(error), document)}") from None
-    _check(scenario, source)
+    try:
+        check(scenario)
+    except Mistake as mistake:
+        raise ScenarioError(f"{source}: {mistake}") from None
     return _complete(scenario, source)
 
 
@@ -197,69 +198,6 @@ def _endless(value: Any, place: str = "") -> Iterator[tuple[str, float]]:
     elif isinstance(value, list):
         for number, one in enumerate(value):
             yield from _endless(one, f"{place}[{number}]")
-
-
-def _check(scenario: Scenario, source: str) -> None:
-    """What types cannot say. Raises ScenarioError."""
-
-    def refuse(text: str) -> None:
-        raise ScenarioError(f"{source}: {text}")
-
-    if (scenario.robots.ids is None) == (scenario.robots.count is None):
-        refuse("robots needs either count or ids")
-    numbers: dict[int, str] = {}
-    for node in (scenario.tower.id, *(scenario.robots.ids or ())):
-        if number_of(node) in numbers:
-            other = numbers[number_of(node)]
-            if node == other:
-                refuse(f"robots.ids: there are two nodes {node}; ids are unique")
-            refuse(f"robots.ids: {node} and {other} share the number {number_of(node)}; numbers are unique")
-        numbers[number_of(node)] = node
-    _check_sizes(scenario, refuse)
-    if scenario.metrics_from_s > scenario.duration_s:
-        refuse(f"metrics_from_s must be <= duration_s ({scenario.duration_s}), got {scenario.metrics_from_s}")
-    start = scenario.robots.start
-    if isinstance(start, Poses) and len(start.poses) != len(scenario.robot_ids):
-        refuse(
-            f"robots.start.poses must have one pose for each of {len(scenario.robot_ids)} robots, "
-            f"got {len(start.poses)}"
-        )
-    known = ", ".join(scenario.node_ids)
-    for number, rule in enumerate(scenario.radio.rules):
-        for node in (one for group in rule.groups for one in group) if isinstance(rule, Partition) else ():
-            if node not in scenario.node_ids:
-                refuse(f"radio.rules[{number}].groups: there is no node {node}; nodes are {known}")
-    _check_faults(scenario, refuse)
-
-
-def _check_sizes(scenario: Scenario, refuse: Any) -> None:
-    """What must fit into the numbers of messages: ticks, sites and ids."""
-    if scenario.duration_s / scenario.tick_s > MAX_TICKS:
-        refuse(f"duration_s must be <= {MAX_TICKS} ticks of {scenario.tick_s} s, got {scenario.duration_s}")
-    sites = scenario.field.columns * scenario.field.rows
-    if sites > MAX_SITES:
-        refuse(f"field must have at most {MAX_SITES} sites, got {sites}")
-    if any(number_of(node) > 9999 for node in scenario.spare_ids):
-        refuse(f"robots.spares must leave ids within r9999, got {scenario.robots.spares}")
-
-
-def _check_faults(scenario: Scenario, refuse: Any) -> None:
-    """Every fault has a node, a time within the run, and a state of the node in which it makes sense."""
-    state = dict.fromkeys(scenario.node_ids, "alive")
-    sound = {"kill": ("alive", "frozen"), "restart": ("dead",), "freeze": ("alive",), "thaw": ("frozen",)}
-    after = {"kill": "dead", "restart": "alive", "freeze": "frozen", "thaw": "alive"}
-    for number, fault in sorted(enumerate(scenario.faults), key=lambda one: one[1].at_s):
-        place = f"faults[{number}]"
-        if bool(fault.nodes) == (fault.highest_ids_share is not None):
-            refuse(f"{place} needs either nodes or highest_ids_share")
-        if scenario.tick_of(fault.at_s) > scenario.last_tick:
-            refuse(f"{place}.at_s must be <= duration_s ({scenario.duration_s}), got {fault.at_s}")
-        for node in scenario.nodes_of(fault):
-            if node not in state:
-                refuse(f"{place}.nodes: there is no node {node}; nodes are {', '.join(state)}")
-            if state[node] not in sound[fault.verb]:
-                refuse(f"{place}: cannot {fault.verb} {node} at {fault.at_s} s, it is {state[node]} then")
-            state[node] = after[fault.verb]
 
 
 def _complete(scenario: Scenario, source: str) -> Scenario:

@@ -99,13 +99,14 @@ class LrPt(Behaviour):
     def step(self, percept: Percept, heard: Sequence[Heard]) -> Move:
         """One timestep: Algorithm 2, then Algorithm 1, then the motion towards the temporary target."""
         tick, pose = percept.tick, percept.senses.pose
-        self.update_priority(tick, heard)
+        present = _present(heard)
+        self.update_priority(tick, present)
         if self.target < 0:
             self.since_tick = tick
-            self.choose_target(percept, heard, completed=None)
+            self.choose_target(percept, present, completed=None)
         elif self._distance_m(pose, self.target) <= self.configuration.field.visit_within_m:
             self.knowledge.note_visit(self.target, tick)
-            self.choose_target(percept, heard, completed=self.target)
+            self.choose_target(percept, present, completed=self.target)
         say = self._bulletin(tick, heard)
         self.knowledge.merge(*[one.message.news for one in heard])
         x_m, y_m = self.centres_m[self.target].tolist()
@@ -245,6 +246,14 @@ class LrPt(Behaviour):
 
     def _distance_m(self, pose: Pose, site: int) -> float:
         return math.hypot(self.centres_m[site, 0] - pose.x_m, self.centres_m[site, 1] - pose.y_m)
+
+
+def _present(heard: Sequence[Heard]) -> list[Heard]:
+    """The frames of those who are neighbours now: A_n(t-1). A robot that was frozen finds older ones too,
+    whose news still counts, but whose senders may be far away by now.
+    """
+    newest = max((one.sent_tick for one in heard), default=0)
+    return [one for one in heard if one.sent_tick == newest]
 
 
 def _without(utility: np.ndarray, announced: set[int]) -> np.ndarray:

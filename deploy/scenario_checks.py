@@ -1,0 +1,94 @@
+"""What the types of a scenario cannot say: that its parts fit together."""
+
+from wire.channels import number_of
+from wire.scenario import Latency, Partition, Poses, Scenario
+
+MAX_TICKS = 2**32 - 1  # times of visits travel as uint32
+MAX_SITES = 2**16  # and their sites as uint16
+
+SOUND = {"kill": ("alive", "frozen"), "restart": ("dead",), "freeze": ("alive",), "thaw": ("frozen",)}
+AFTER = {"kill": "dead", "restart": "alive", "freeze": "frozen", "thaw": "alive"}
+
+
+class Mistake(Exception):
+    """Field, value, and what would be right."""
+
+
+def check(scenario: Scenario) -> None:
+    """Raises Mistake for the first part that does not fit."""
+    _check_names(scenario)
+    _check_sizes(scenario)
+    _check_radio(scenario)
+    _check_faults(scenario)
+
+
+def _check_names(scenario: Scenario) -> None:
+    if (scenario.robots.ids is None) == (scenario.robots.count is None):
+        raise Mistake("robots needs either count or ids")
+    numbers: dict[int, str] = {}
+    for node in (scenario.tower.id, *(scenario.robots.ids or ())):
+        number = number_of(node)
+        if numbers.get(number) == node:
+            raise Mistake(f"robots.ids: there are two nodes {node}; ids are unique")
+        if number in numbers:
+            both = f"{node} and {numbers[number]}"
+            raise Mistake(f"robots.ids: {both} share the number {number}; numbers are unique")
+        numbers[number] = node
+    if any(number_of(node) > 9999 for node in scenario.spare_ids):
+        raise Mistake(f"robots.spares must leave ids within r9999, got {scenario.robots.spares}")
+
+
+def _check_sizes(scenario: Scenario) -> None:
+    duration_s, start = scenario.duration_s, scenario.robots.start
+    if duration_s / scenario.tick_s > MAX_TICKS:
+        raise Mistake(f"duration_s must be <= {MAX_TICKS} ticks of {scenario.tick_s} s, got {duration_s}")
+    if scenario.metrics_from_s > duration_s:
+        raise Mistake(f"metrics_from_s must be <= duration_s ({duration_s}), got {scenario.metrics_from_s}")
+    sites = scenario.field.columns * scenario.field.rows
+    if sites > MAX_SITES:
+        raise Mistake(f"field must have at most {MAX_SITES} sites, got {sites}")
+    robots = len(scenario.robot_ids)
+    if isinstance(start, Poses) and len(start.poses) != robots:
+        got = len(start.poses)
+        raise Mistake(f"robots.start.poses must have one pose for each of {robots} robots, got {got}")
+
+
+def _check_radio(scenario: Scenario) -> None:
+    rules = scenario.radio.rules
+    for number, rule in enumerate(rules):
+        place = f"radio.rules[{number}]"
+        if isinstance(rule, Latency) and number < len(rules) - 1:
+            raise Mistake(f"{place}: a latency decides about every frame, so it must be the last rule")
+        if isinstance(rule, Partition):
+            _check_partition(scenario, rule, place)
+
+
+def _check_partition(scenario: Scenario, rule: Partition, place: str) -> None:
+    if rule.until_s is not None and rule.until_s <= rule.from_s:
+        raise Mistake(f"{place}.until_s must be > from_s ({rule.from_s}), got {rule.until_s}")
+    placed: set[str] = set()
+    for node in (node for group in rule.groups for node in group):
+        if node not in scenario.node_ids:
+            known = ", ".join(scenario.node_ids)
+            raise Mistake(f"{place}.groups: there is no node {node}; nodes are {known}")
+        if node in placed:
+            raise Mistake(f"{place}.groups: {node} is in two places; a node is in one group at most")
+        placed.add(node)
+
+
+def _check_faults(scenario: Scenario) -> None:
+    """Every fault has a node, a time within the run, and a state of the node in which it makes sense."""
+    state = dict.fromkeys(scenario.node_ids, "alive")
+    for number, fault in sorted(enumerate(scenario.faults), key=lambda one: one[1].at_s):
+        place = f"faults[{number}]"
+        if bool(fault.nodes) == (fault.highest_ids_share is not None):
+            raise Mistake(f"{place} needs either nodes or highest_ids_share")
+        if scenario.tick_of(fault.at_s) > scenario.last_tick:
+            raise Mistake(f"{place}.at_s must be <= duration_s ({scenario.duration_s}), got {fault.at_s}")
+        for node in scenario.nodes_of(fault):
+            if node not in state:
+                raise Mistake(f"{place}.nodes: there is no node {node}; nodes are {', '.join(state)}")
+            if state[node] not in SOUND[fault.verb]:
+                when = f"at {fault.at_s} s, it is {state[node]} then"
+                raise Mistake(f"{place}: cannot {fault.verb} {node} {when}")
+            state[node] = AFTER[fault.verb]
