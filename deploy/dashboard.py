@@ -73,7 +73,7 @@ def main() -> int:
     ticket = receive(given.ticket_fd, Ticket)
     scene = Scene(msgspec.toml.decode((given.folder / "scenario.toml").read_text("utf-8"), type=Scenario))
     mode = choose_mode(given.mode)
-    viewer = None if mode == "file" else launch(mode, given.folder / "viewer.log")
+    viewer = None if mode == "file" else launch(mode, given.folder / "logs" / "viewer.log")
 
     def make() -> Sink:
         if viewer is None:

@@ -58,7 +58,7 @@ class Launcher:
             if dashboard:
                 await self._start_dashboard(dashboard, say)
             await self._world.ended.wait()
-            if self._world.status != 0:
+            if self._world.status != 0 and not self.interrupted:
                 raise LaunchError(f"the world ended with {self._world.status}:\n{self._world.last_lines()}")
         finally:
             live.unlink(missing_ok=True)

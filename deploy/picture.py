@@ -27,7 +27,7 @@ def save_picture(recording: Path, picture: Path, at_s: float, size: str = "1600x
 
     Raises ViewerError when there is no driver, or nothing is drawn in time.
     """
-    log = recording.parent / "viewer.log"
+    log = recording.parent / "logs" / "viewer.log"
     options = ("--headless", "--window-size", size)
     viewer = launch("native", log, *options, WGPU_BACKEND="vulkan", RERUN_APP_ONLY="true")
     try:

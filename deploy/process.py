@@ -135,6 +135,7 @@ def start_viewer(command: list[str], log: Path, environment: dict[str, str]) -> 
     Call it on the main thread: the kernel takes the thread that starts a child for its parent.
     """
     wrapped = [sys.executable, "-c", _WRAPPER, str(os.getpid()), *command]
+    log.parent.mkdir(exist_ok=True)
     with log.open("wb") as output:
         return Popen(
             wrapped,

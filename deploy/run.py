@@ -100,7 +100,9 @@ def _launch(
 ) -> tuple[list[dict], bool]:
     launcher = Launcher(scenario, folder, last_tick, progress.show)
     mode = None if dashboard in ("off", "file") else choose_mode(dashboard)
-    asyncio.run(launcher.run(mode, lambda line: console.print(f"dashboard {line}", highlight=False)))
+    asyncio.run(
+        launcher.run(mode, lambda line: console.print(f"dashboard {line}", highlight=False, soft_wrap=True))
+    )
     processes = [
         _process(node, role, child.pid, incarnation, child.status)
         for node, role, child, incarnation in launcher.processes

@@ -68,7 +68,7 @@ def launch(mode: Mode, log: Path, *options: str, **environment: str) -> Viewer:
 
 def open_recording(path: Path, mode: Mode, say: Callable[[str], None] = print) -> int:
     """Show a recording until the viewer ends, or Ctrl-C; tells `say` where. Returns the exit status."""
-    viewer = launch(mode, path.parent / "viewer.log", str(path))
+    viewer = launch(mode, path.parent / "logs" / "viewer.log", str(path))
     try:
         viewer.wait_until_open()
         say(viewer.address if mode == "web" else f"the viewer shows {path}; close it, or press Ctrl-C")

@@ -100,9 +100,9 @@ class LiveSwarm:
         self._tick, self._answers = tick, {}
         for node, percept in percepts.items():
             if node not in self._gone:
-                self._open[node] = (percept.grant, codec.encode(percept))
-        for node, (_, data) in self._open.items():
-            self._percepts[node].put(data)
+                data = codec.encode(percept)
+                self._open[node] = (percept.grant, data)
+                self._percepts[node].put(data)  # at once: nodes think while others' grants are encoded
         self._await_answers()
         for node in percepts.keys() & self._gone.keys():
             if node not in self._answers:
