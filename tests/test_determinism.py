@@ -71,12 +71,13 @@ def test_a_behaviour_that_depends_on_the_order_of_arrival_is_found_out(tmp_path)
 
 def test_a_kill_by_hand_is_repeated_with_faults_from(tmp_path):
     path = small(tmp_path, duration_s=400)
-    with command(path, tmp_path / "by-hand", "--clock", "paced", "--rate", "100") as run:
-        assert run.ask("kill", "r4").accepted
-        assert run.ask("freeze", "r3").accepted
-        assert run.ask("thaw", "r3").accepted
-        assert run.ask("restart", "r4", memory="kept").accepted
-        assert run.ask("speed", value=0).accepted
+    with command(path, tmp_path / "by-hand", "--clock", "paced", "--rate", "10") as run:
+        run.ask("pause")
+        for verb, node in (("kill", "r4"), ("freeze", "r3"), ("thaw", "r3"), ("restart", "r4")):
+            assert run.ask(verb, node, memory="kept").accepted
+            run.ask("step", value=20)
+        run.ask("speed", value=0)
+        run.ask("resume")
         assert run.wait() == 0
     by_hand = run.folder
     again = subprocess.run(

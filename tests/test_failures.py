@@ -12,7 +12,7 @@ from deploy.scenario_file import load_scenario
 from tests.live_runs import as_processes, command, fault, gone, rehearsed, run_hash, small, until
 from world_server.journal import commits
 
-PACED = ("--clock", "paced", "--rate", "50")
+PACED = ("--clock", "paced", "--rate", "10")
 
 
 def test_sa_delay_grows_by_one_second_per_second_while_the_tower_process_is_stopped(tmp_path):
@@ -63,7 +63,7 @@ def test_a_robot_stopped_from_outside_is_named_and_waited_for(tmp_path):
 
 def test_a_robot_that_is_declared_dead_is_dead_and_the_run_goes_on_without_it(tmp_path):
     path = small(tmp_path, duration_s=300)
-    settings = ("--set", "watchdog.budget_s=0.02", "--set", "watchdog.policy=declare_dead")
+    settings = ("--set", "watchdog.budget_s=0.2", "--set", "watchdog.policy=declare_dead")
     with command(path, tmp_path / "out", *PACED, *settings) as run:
         process = psutil.Process(run.status()["pids"]["r3"])
         process.suspend()
@@ -76,7 +76,7 @@ def test_a_robot_that_is_declared_dead_is_dead_and_the_run_goes_on_without_it(tm
 
 def test_a_watchdog_that_aborts_ends_the_run_and_says_why(tmp_path):
     path = small(tmp_path, duration_s=300)
-    settings = ("--set", "watchdog.budget_s=0.02", "--set", "watchdog.policy=abort")
+    settings = ("--set", "watchdog.budget_s=0.2", "--set", "watchdog.policy=abort")
     with command(path, tmp_path / "out", *PACED, *settings) as run:
         psutil.Process(run.status()["pids"]["r3"]).suspend()
         processes = run.processes()
