@@ -123,7 +123,7 @@ class RunSide:
     async def pause(self) -> None:
         """Wait until it runs, and let it stand still after tick 0."""
         await self._until(0, START_WITHIN_S)
-        self._ticket = find_live(str(self._folder)).ticket
+        self._ticket = find_live(str(self._folder)).tickets[0]
         self._link = await asyncio.to_thread(open_client, self._ticket)
         await self._ask(Request("pause"))
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from deploy.process import CONTINUE, KILL, STOP, Child, on_interrupt
 from deploy.run_folder import LiveRun, RunError, announce_live
 from wire import channels, codec
-from wire.credentials import OBSERVERS, OPERATOR, SUPERVISOR, hand_over, make_book
+from wire.credentials import OBSERVERS, OPERATORS, SUPERVISOR, hand_over, make_book
 from wire.link import Link, LinkError, open_client
 from wire.messages import Done, Exited, Facts, Fault, Finish, Notice, Order, Started, TruthBlock
 from wire.scenario import Scenario
@@ -49,7 +49,8 @@ class Launcher:
     async def run(self, dashboard: str | None, say: Callable[[str], None]) -> None:
         """Run to the end. `dashboard`: mode of the live dashboard, or None. Raises LaunchError."""
         on_interrupt(self._interrupt)
-        live = announce_live(LiveRun(str(self._folder.resolve()), self.book.ticket(OPERATOR), os.getpid()))
+        tickets = tuple(self.book.ticket(operator) for operator in OPERATORS)
+        live = announce_live(LiveRun(str(self._folder.resolve()), tickets, os.getpid()))
         try:
             await self._start_world()
             await self._join()

@@ -26,7 +26,7 @@ class LiveRun(msgspec.Struct, frozen=True):
     """What an operator needs to reach a live run."""
 
     folder: str
-    ticket: Ticket
+    tickets: tuple[Ticket, ...]
     launcher_pid: int
 
 

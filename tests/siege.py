@@ -16,7 +16,7 @@ from deploy.recorder import events
 from tests.live_runs import DEADLINE_S, until
 from tests.rogue import Plan
 from wire import channels, codec
-from wire.credentials import OBSERVERS, OPERATOR, SUPERVISOR, Book, Credential, fresh, hand_over
+from wire.credentials import OBSERVERS, OPERATORS, SUPERVISOR, Book, Credential, fresh, hand_over
 from wire.link import open_client
 from wire.messages import Action, Reply, Request
 
@@ -103,7 +103,7 @@ def rogues_of(book: Book) -> dict[str, Plan]:
         "thief": plan(borrowed("r2")),
         "thief of the launcher": plan(borrowed(SUPERVISOR)),
         "observer": plan(book.others[OBSERVERS[1]]),
-        "operator": msgspec.structs.replace(plan(book.others[OPERATOR]), may_ask=True),
+        "operator": msgspec.structs.replace(plan(book.others[OPERATORS[0]]), may_ask=True),
     }
 
 
@@ -145,7 +145,7 @@ def attack(launcher: Launcher, ticks: list[int], folder: Path) -> dict[str, Any]
 
 def hurry(book: Book) -> list[str]:
     """Let the run go on as fast as it can; returns who is alive."""
-    link = open_client(book.ticket(OPERATOR))
+    link = open_client(book.ticket(OPERATORS[1]))
     answer = link.ask(channels.key(book.run, channels.CONTROL), codec.encode(Request("speed")), DEADLINE_S)
     link.close()
     return codec.decode(Reply, answer).data["alive"]

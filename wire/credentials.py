@@ -12,7 +12,8 @@ from collections.abc import Iterable
 import msgspec
 
 OBSERVERS = ("observer1", "observer2")
-OPERATOR = "operator"
+OPERATORS = tuple(f"operator{number}" for number in range(1, 9))
+"""One for each request under way: a session id cannot join again before its last session is all gone."""
 SUPERVISOR = "supervisor"
 
 
@@ -53,7 +54,7 @@ class Ticket(msgspec.Struct, frozen=True):
 def make_book(run: str, endpoint: str, node_ids: Iterable[str]) -> Book:
     """Fresh secrets for the whole pool of ids, spares included: the router's rules cannot change later."""
     nodes = {node: fresh(node) for node in node_ids}
-    others = {user: fresh(user) for user in (*OBSERVERS, OPERATOR, SUPERVISOR)}
+    others = {user: fresh(user) for user in (*OBSERVERS, *OPERATORS, SUPERVISOR)}
     return Book(run, endpoint, nodes, others)
 
 

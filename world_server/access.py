@@ -8,7 +8,7 @@ a query needs `query` inwards and `reply` outwards, and no declaration.
 from typing import Any
 
 from wire import channels
-from wire.credentials import OBSERVERS, OPERATOR, SUPERVISOR, Book
+from wire.credentials import OBSERVERS, OPERATORS, SUPERVISOR, Book
 
 Need = tuple[str, str, str]
 """A Zenoh message type, its direction as the router sees it, and a key expression."""
@@ -19,7 +19,7 @@ def access_control(book: Book) -> dict[str, Any]:
     run = book.run
     needs = {node: _node(run, node) for node in book.nodes}
     needs |= {observer: _observer(run) for observer in OBSERVERS}
-    needs[OPERATOR] = _operator(run)
+    needs |= {operator: _operator(run) for operator in OPERATORS}
     needs[SUPERVISOR] = _supervisor(run)
     rules = [
         {
