@@ -1,6 +1,6 @@
 """An operator's requests to a live run, from any terminal of the user who started it."""
 
-import random
+import secrets
 
 from deploy.run_folder import RunError, find_live
 from wire import channels, codec
@@ -14,7 +14,7 @@ ANSWER_WITHIN_S = 600.0  # a node restarted with its memory lives through all of
 
 def request(run: str, wanted: Request) -> Reply:
     """Ask a live run for something and return its answer. Raises RunError."""
-    for ticket in random.sample(find_live(run).tickets, ATTEMPTS):
+    for ticket in secrets.SystemRandom().sample(find_live(run).tickets, ATTEMPTS):
         data = _ask(run, ticket, wanted)
         if data is not None:
             return codec.decode(Reply, data)
