@@ -1,12 +1,12 @@
 """What the types of a scenario cannot say: that its parts fit together."""
 
 from wire.channels import number_of
+from wire.messages import BEFALLS
 from wire.scenario import Latency, Partition, Poses, Scenario
 
 MAX_TICKS = 2**32 - 1  # times of visits travel as uint32
 MAX_SITES = 2**16  # and their sites as uint16
 
-SOUND = {"kill": ("alive", "frozen"), "restart": ("dead",), "freeze": ("alive",), "thaw": ("frozen",)}
 AFTER = {"kill": "dead", "restart": "alive", "freeze": "frozen", "thaw": "alive"}
 
 
@@ -88,7 +88,7 @@ def _check_faults(scenario: Scenario) -> None:
         for node in scenario.nodes_of(fault):
             if node not in state:
                 raise Mistake(f"{place}.nodes: there is no node {node}; nodes are {', '.join(state)}")
-            if state[node] not in SOUND[fault.verb]:
+            if state[node] not in BEFALLS[fault.verb]:
                 when = f"at {fault.at_s} s, it is {state[node]} then"
                 raise Mistake(f"{place}: cannot {fault.verb} {node} {when}")
             state[node] = AFTER[fault.verb]

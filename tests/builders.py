@@ -190,3 +190,17 @@ def facts(
 ) -> Facts:
     """Facts of a tick in which nothing happened but what is given."""
     return Facts(tick, b"", b"", b"", b"", tuple(visits), tuple(reports), (), (0, 0, 0, 0, 0, 0))
+
+
+CENTRE_0 = (15.0, 15.0)
+
+
+def visited(one: LrPt, **sites: int) -> None:
+    """Let a robot know of visits: visited(one, s3=17) says that site 3 was visited at tick 17."""
+    one.knowledge.merge(table(**sites))
+
+
+def chosen(one: LrPt, tick=1000, at=CENTRE_0, heard=(), completed=0, in_sight=()) -> tuple[int, int]:
+    """Let a robot choose at a place and a tick; returns its goal and its target."""
+    one.choose_target(percept(tick, *at, in_sight=in_sight), list(heard), completed)
+    return one.goal, one.target

@@ -8,20 +8,8 @@ import pytest
 from swarm_agent.behaviour import Heard
 from swarm_agent.behaviours.lr_pt import LrPt
 from swarm_agent.knowledge import AssumedIdleness
-from tests.builders import entries, from_robot, from_tower, percept, robot, table
+from tests.builders import entries, from_robot, from_tower, percept, robot, table, visited
 from wire import codec
-
-CENTRE_0 = (15.0, 15.0)
-
-
-def visited(one, **sites: int) -> None:
-    one.knowledge.merge(table(**sites))
-
-
-def chosen(one, tick=1000, at=CENTRE_0, heard=(), completed=0, in_sight=()) -> tuple[int, int]:
-    one.choose_target(percept(tick, *at, in_sight=in_sight), list(heard), completed)
-    return one.goal, one.target
-
 
 # Algorithm 1
 

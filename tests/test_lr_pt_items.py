@@ -8,19 +8,8 @@ from hypothesis import strategies as st
 from swarm_agent.behaviour import Heard
 from swarm_agent.behaviours.lr_pt import PUBLISHED, LrPtParameters
 from swarm_agent.knowledge import Bulletin
-from tests.builders import NO_NEWS, percept, robot, table
+from tests.builders import NO_NEWS, percept, robot, visited
 from wire.fields import Grid
-
-CENTRE_0 = (15.0, 15.0)
-
-
-def visited(one, **sites: int) -> None:
-    one.knowledge.merge(table(**sites))
-
-
-def chosen(one, tick=1000, at=CENTRE_0, heard=(), completed=0, in_sight=()) -> tuple[int, int]:
-    one.choose_target(percept(tick, *at, in_sight=in_sight), list(heard), completed)
-    return one.goal, one.target
 
 
 def exchange(speaker, listener, ticks, gets_through=lambda tick: True, start=100):

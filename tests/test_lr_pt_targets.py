@@ -8,21 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from swarm_agent.behaviours.lr_pt import LrPtParameters
-from tests.builders import from_robot, from_tower, percept, robot, table
+from tests.builders import CENTRE_0, chosen, from_robot, from_tower, percept, robot, visited
 from wire.fields import Grid
 from wire.messages import Sighting
-
-CENTRE_0 = (15.0, 15.0)
-
-
-def visited(one, **sites: int) -> None:
-    one.knowledge.merge(table(**sites))
-
-
-def chosen(one, tick=1000, at=CENTRE_0, heard=(), completed=0, in_sight=()) -> tuple[int, int]:
-    one.choose_target(percept(tick, *at, in_sight=in_sight), list(heard), completed)
-    return one.goal, one.target
-
 
 # Equations 10 and 11
 

@@ -15,6 +15,8 @@ FRAMES_PER_ACTION = 1024
 
 Why = Literal["start", "wake", "frame", "arrival", "sensor", "end"]
 Verb = Literal["kill", "freeze", "thaw", "restart"]
+BEFALLS = {"kill": ("alive", "frozen"), "freeze": ("alive",), "thaw": ("frozen",), "restart": ("dead",)}
+"""The states of a node in which each fault can befall it, for the plan and for the world."""
 Memory = Literal["lost", "kept"]
 
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from wire import channels, codec
-from wire.messages import Action, Configuration, Facts, Fault, Frame, Percept, Pose, Senses, Sighting
+from wire.messages import BEFALLS, Action, Configuration, Facts, Fault, Frame, Percept, Pose, Senses, Sighting
 from wire.scenario import Scenario
 from world_server import chance, radio
 from world_server.cells import Sites
@@ -104,8 +104,7 @@ class World:
         if name not in self.nodes:
             return f"there is no node {name}; nodes are {', '.join(self.names)}"
         state = ("alive", "frozen", "dead")[self.nodes[name].mode]
-        sound = {"kill": ("alive", "frozen"), "freeze": ("alive",), "thaw": ("frozen",), "restart": ("dead",)}
-        return "" if state in sound[verb] else f"cannot {verb} {name}: it is {state}"
+        return "" if state in BEFALLS[verb] else f"cannot {verb} {name}: it is {state}"
 
     def next_tick(self, tick: int) -> int | None:
         """The next tick at which anything can happen, or None when nothing ever will by itself."""
