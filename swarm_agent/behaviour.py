@@ -3,7 +3,7 @@
 import importlib
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, Protocol, Self
 
 import msgspec
 import numpy as np
@@ -38,6 +38,7 @@ class Move(msgspec.Struct, frozen=True):
     """What a behaviour wants. No `motion` keeps the present one; no wake at all means sleep for good.
 
     `wake_on` adds up the WAKE_ON_ flags of wire.messages. `report` is for observers: any Struct, or nothing.
+    `record`: entries for the ledger of a node that has one, written before anything of this move is done.
     """
 
     motion: Motion | None = None
@@ -45,6 +46,17 @@ class Move(msgspec.Struct, frozen=True):
     wake_tick: int | None = None
     wake_on: int = 0
     report: Any = None
+    record: tuple[Any, ...] = ()
+
+
+class Ledger(Protocol):
+    """What a node writes down and finds again after its process was killed."""
+
+    def read(self, before_grant: int) -> Sequence[Any]:
+        """All entries of grants before this one; those of later grants, which never counted, are removed."""
+
+    def write(self, grant: int, tick: int, entries: Sequence[Any]) -> None:
+        """Keep the entries of one grant, safe from a kill when this returns; the same grant again replaces."""
 
 
 class Behaviour(ABC):
@@ -62,6 +74,9 @@ class Behaviour(ABC):
         self.parameters = parameters
         self.configuration = configuration
         self.generator = generator
+
+    def remember(self, entries: Sequence[Any]) -> None:
+        """Called once, before the first step, with all entries of the node's ledger, where it has one."""
 
     @abstractmethod
     def step(self, percept: Percept, heard: Sequence[Heard]) -> Move:

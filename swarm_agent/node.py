@@ -6,7 +6,7 @@ from queue import SimpleQueue
 import msgspec
 import numpy as np
 
-from swarm_agent.behaviour import Behaviour, Heard, Move, find_behaviour
+from swarm_agent.behaviour import Behaviour, Heard, Ledger, Move, find_behaviour
 from wire import channels, codec
 from wire.credentials import Ticket
 from wire.link import open_client
@@ -16,8 +16,9 @@ from wire.messages import Action, Configuration, Frame, Percept
 class Mind:
     """The pure part of a node: a function from one percept's bytes to one action's bytes, with memory."""
 
-    def __init__(self, package: str) -> None:
+    def __init__(self, package: str, ledger: Ledger | None = None) -> None:
         self._package = package
+        self._ledger = ledger
         self._behaviour: Behaviour | None = None
         self._answered = -1
         self._last_answer = b""
@@ -32,8 +33,13 @@ class Mind:
             return self._last_answer
         if percept.configuration is not None:
             self._behaviour = _embody(percept.configuration, self._package)
+            if self._ledger is not None:
+                self._behaviour.remember(self._ledger.read(percept.grant))
         assert self._behaviour is not None, "the first percept of a node carries its configuration"
         move = self._behaviour.step(percept, self._decode(percept.inbox))
+        if move.record:
+            assert self._ledger is not None, "a move with entries for a ledger, in a node without one"
+            self._ledger.write(percept.grant, percept.tick, move.record)
         self._last_answer = self._encode(percept, move)
         self._answered = percept.grant
         return self._last_answer
@@ -75,9 +81,9 @@ def _embody(configuration: Configuration, package: str) -> Behaviour:
     return behaviour(parameters, configuration, np.random.Generator(np.random.Philox(sequence)))
 
 
-def live(ticket: Ticket, package: str, memory: list[bytes]) -> None:
+def live(ticket: Ticket, package: str, memory: list[bytes], ledger: Ledger | None = None) -> None:
     """Join the run and answer grants until the end. `memory`: percepts of a former life, lived first."""
-    mind = Mind(package)
+    mind = Mind(package, ledger)
     for percept_bytes in memory:
         mind.answer(percept_bytes)
     node, grants = ticket.credential.user, SimpleQueue()

@@ -24,6 +24,7 @@ MAY_IMPORT = {
         "swarm_agent.knowledge",
         "swarm_agent.behaviour",
         "swarm_agent.startup",
+        "swarm_agent.line_radio",
     ),
     "deploy": ("wire", "world_server", "swarm_agent", "tower", "deploy"),
     "tests": FLOORS,
@@ -59,6 +60,8 @@ PROCESS_CALLS = {
 PURE = (
     "swarm_agent/behaviours/*.py",
     "swarm_agent/knowledge.py",
+    "swarm_agent/line_radio.py",
+    "wire/line.py",
     "swarm_agent/surveillance_graph.py",
     "swarm_agent/geometry.py",
     "tower/base_station.py",
@@ -66,10 +69,13 @@ PURE = (
     "tower/recall.py",
     "tower/roster.py",
     "tower/dispatch.py",
+    "tower/line_keeper.py",
     "deploy/metrics/*.py",
     *(
         f"world_server/{name}.py"
-        for name in "world clock motion radio cells sensing nodes records chance battery floorplan".split()
+        for name in """
+        world clock motion path_following radio cells passes sensing nodes records chance battery floorplan
+        """.split()
     ),
 )
 IMPURE = set(

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.builders import percept
 from wire import codec, messages
-from wire.fields import Grid
+from wire.fields import Grid, Polyline
 from wire.messages import Action, GoTo, Message, Motion, Notice, Percept, Request, Stay
 
 KINDS = [
@@ -33,6 +33,16 @@ grids = st.builds(
     st.none() | st.floats(0, 100),
     st.floats(0.1, 9),
 )
+places = st.tuples(finite, finite)
+polylines = st.builds(
+    Polyline,
+    st.lists(places, max_size=3).map(tuple),
+    st.integers(1, 9) | st.lists(places, max_size=3).map(tuple),
+    st.floats(0, 9),
+    st.floats(0, 9),
+    st.floats(0.1, 9),
+    st.floats(0.1, 9),
+)
 
 
 def strategy_of(kind):
@@ -50,10 +60,14 @@ def field_of(kind, name, hint):
         return counts
     if hint is Grid:
         return grids
+    if hint is Polyline:
+        return polylines
     if hint is float:
         return finite
+    if name == "path_m":
+        return st.lists(places, min_size=1, max_size=3).map(tuple)
     if name == "wake_on":
-        return st.integers(0, 7)
+        return st.integers(0, 15)
     if name == "wake_tick":
         return st.none()
     if name == "data":
@@ -71,7 +85,7 @@ def from_hint(kind, name, hint):
         return st.integers(-(2**63), 2**64 - 1)
     if isinstance(hint, type) and issubclass(hint, msgspec.Struct):
         return strategy_of(hint)
-    if inner and all(isinstance(one, type) for one in inner):
+    if type(None) in inner or (inner and all(isinstance(one, type) for one in inner)):
         return st.one_of([st.none() if one is type(None) else field_of(kind, "", one) for one in inner])
     return st.from_type(hint)
 
@@ -183,7 +197,7 @@ def test_a_time_to_wake_that_is_not_after_the_tick_is_refused(wake_tick):
         codec.decode(Action, codec.encode([7, 1, None, [], wake_tick, 0, b""]))
 
 
-@pytest.mark.parametrize("wake_on", [-1, 8])
+@pytest.mark.parametrize("wake_on", [-1, 16])
 def test_unknown_reasons_to_wake_are_refused(wake_on):
     with pytest.raises(codec.Malformed):
         codec.decode(Action, codec.encode([7, 1, None, [], None, wake_on, b""]))

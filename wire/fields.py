@@ -6,6 +6,7 @@ import msgspec
 
 Metres = Annotated[float, msgspec.Meta(gt=0)]
 Lines = Annotated[int, msgspec.Meta(ge=1, le=1000)]
+Segments = Annotated[int, msgspec.Meta(ge=1, le=1000)]
 
 
 class Grid(msgspec.Struct, frozen=True, tag_field="kind", tag="grid", forbid_unknown_fields=True):
@@ -31,4 +32,21 @@ class Grid(msgspec.Struct, frozen=True, tag_field="kind", tag="grid", forbid_unk
         ]
 
 
-Field = Grid  # a union as soon as there is a second shape
+class Polyline(msgspec.Struct, frozen=True, tag_field="kind", tag="polyline", forbid_unknown_fields=True):
+    """An open polyline that is patrolled in segments, numbered from 1 at its first point.
+
+    `segments`: how many of equal length, `gap_m` apart; or the [start, end] of each in metres along the line.
+    `approach_m`: how far from a segment's end a robot begins to change between line and passing lane. The
+    passing lane runs `lane_m` to the left of the line, the places of the queue stand `slot_m` apart behind it
+    at the tower. `wire.line.Line` has the geometry.
+    """
+
+    points_m: tuple[tuple[float, float], ...]
+    segments: Segments | tuple[tuple[float, float], ...]
+    gap_m: Annotated[float, msgspec.Meta(ge=0)] = 0.0
+    approach_m: Annotated[float, msgspec.Meta(ge=0)] = 0.0
+    lane_m: Metres = 0.3
+    slot_m: Metres = 0.3
+
+
+Field = Grid | Polyline

@@ -10,14 +10,21 @@ from wire.fields import Field
 NodeId = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z_]{0,15}[0-9]{1,4}\Z")]
 Count = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
 
-WAKE_ON_FRAME, WAKE_ON_ARRIVAL, WAKE_ON_SENSOR = 1, 2, 4
+WAKE_ON_FRAME, WAKE_ON_ARRIVAL, WAKE_ON_SENSOR, WAKE_ON_BLOCKED = 1, 2, 4, 8
 FRAMES_PER_ACTION = 1024
 
-Why = Literal["start", "wake", "frame", "arrival", "sensor", "end"]
+Why = Literal["start", "wake", "frame", "arrival", "sensor", "blocked", "end"]
 Verb = Literal["kill", "freeze", "thaw", "restart"]
-BEFALLS = {"kill": ("alive", "frozen"), "freeze": ("alive",), "thaw": ("frozen",), "restart": ("dead",)}
+BEFALLS = {
+    "kill": ("alive", "frozen", "flat"),
+    "freeze": ("alive",),
+    "thaw": ("frozen",),
+    "restart": ("dead",),
+}
 """The states of a node in which each fault can befall it, for the plan and for the world."""
 Memory = Literal["lost", "kept"]
+Place = Literal["here", "queue"]
+"""Where a restarted robot stands: where its body lay, or carried to the tower's queue, charged."""
 
 
 class Message(msgspec.Struct, array_like=True, frozen=True, forbid_unknown_fields=True):
@@ -63,6 +70,11 @@ class Configuration(Message):
     tower: NodeId
     field: Field
     max_speed_m_s: float
+    tower_m: tuple[float, float] = (0.0, 0.0)
+    queue_m: tuple[float, float] | None = None
+    """This robot's own place in the tower's queue, where a mission has one."""
+    body_m: float = 0.0
+    """The distance that bodies keep from each other; 0: they pass each other freely."""
 
 
 class Senses(Message):
@@ -73,6 +85,12 @@ class Senses(Message):
     battery_v: float | None = None
     refused_frames: Count = 0
     """Frames of the last action that the radio refused because they passed the byte limit of a tick."""
+    arrived: bool = False
+    """Has the body reached the end of its motion?"""
+    travelled_m: float = 0.0
+    """How far the body has come along the path it was last given."""
+    blocked_by: NodeId | None = None
+    """The body that this one waits behind, which is then in sight."""
 
 
 class Percept(Message):
@@ -102,7 +120,26 @@ class GoTo(Message, tag="go_to"):
             raise ValueError("a motion needs finite numbers")
 
 
-Motion = Stay | GoTo
+class Follow(Message, tag="follow"):
+    """Drive along a path through these points, from wherever the body is. Holds until replaced.
+
+    With `backwards` the body may drive either way round, else it turns. It stops short of other bodies in its
+    way, outside passing lanes and queue, and goes on when the way is clear.
+    """
+
+    path_m: Annotated[tuple[tuple[float, float], ...], msgspec.Meta(min_length=1, max_length=1000)]
+    backwards: bool = False
+
+    def __post_init__(self) -> None:
+        if not all(math.isfinite(one) for point in self.path_m for one in point):
+            raise ValueError("a path needs finite numbers")
+
+
+class Dock(Message, tag="dock"):
+    """Stand in the tower's queue and take a charged battery; anywhere else it is `Stay`."""
+
+
+Motion = Stay | GoTo | Follow | Dock
 
 
 class Action(Message):
@@ -116,7 +153,7 @@ class Action(Message):
     motion: Motion | None = None
     outbox: Annotated[tuple[bytes, ...], msgspec.Meta(max_length=FRAMES_PER_ACTION)] = ()
     wake_tick: Count | None = None
-    wake_on: Annotated[int, msgspec.Meta(ge=0, le=7)] = 0
+    wake_on: Annotated[int, msgspec.Meta(ge=0, le=15)] = 0
     report: bytes = b""
 
     def __post_init__(self) -> None:
@@ -131,16 +168,18 @@ class Fault(Message):
     verb: Verb
     node: NodeId
     memory: Memory = "lost"
+    place: Place = "here"
 
 
 class Facts(Message):
     """What was true of one tick: the only thing metrics and pictures are made of.
 
     `poses`: float64, (nodes, 3): x_m, y_m, heading_rad settled at the end of the tick. `goals`: float64,
-    (nodes, 2), NaN for none. `modes`: uint8 per node: 0 alive, 1 frozen, 2 dead. `links`: uint16 pairs of
+    (nodes, 2), NaN for none. `modes`: uint8 per node: 0 alive, 1 frozen, 2 dead, 3 flat. `links`: uint16 pairs of
     node rows (sender, receiver) of every delivery decided in the tick. `visits`: (node, site) at the tick.
     `reports`: what nodes said of themselves. `radio`: frames sent, deliveries, out of range, otherwise lost,
-    oversize, bytes sent.
+    oversize, bytes sent. `battery_v`: float32 per node, empty where there are no batteries. `incidents`: pairs
+    of robots that have just come closer than bodies may.
     """
 
     tick: Count
@@ -152,6 +191,8 @@ class Facts(Message):
     reports: tuple[tuple[NodeId, bytes], ...]
     faults: tuple[Fault, ...]
     radio: tuple[int, int, int, int, int, int]
+    battery_v: bytes = b""
+    incidents: tuple[tuple[NodeId, NodeId], ...] = ()
 
 
 class TruthBlock(Message):
@@ -218,6 +259,7 @@ class Request(Message):
     node: str = ""
     memory: Memory = "lost"
     value: float = 0.0
+    place: Place = "here"
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.value) and self.value >= 0):

@@ -7,7 +7,7 @@ import msgspec
 
 from wire.channels import number_of
 from wire.fields import Field
-from wire.messages import Memory, NodeId, Verb
+from wire.messages import Memory, NodeId, Place, Verb
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0)]
@@ -34,20 +34,28 @@ class Poses(Section, tag_field="kind", tag="poses"):
     poses: tuple[tuple[float, float, float], ...]
 
 
+class InQueue(Section, tag_field="kind", tag="queue"):
+    """Each robot in its place of the tower's queue."""
+
+
 class Robots(Section):
     """The team. Ids are `r2`, `r3`, ... behind the tower's `r1` unless `ids` names them.
 
     `spares` are ids with credentials but without a body: the access rules are fixed when a run begins.
+    `body_m`: the distance bodies keep from each other; 0 lets them pass freely. `noise_sd`: standard deviation
+    of the noise on linear and rotational velocity, as a fraction of full speed, over one second.
     """
 
     behaviour: str
     count: Team | None = None
     ids: tuple[NodeId, ...] | None = None
     parameters: dict[str, Any] = {}
-    start: Fan | Poses = Fan()
+    start: Fan | Poses | InQueue = Fan()
     max_speed_m_s: Positive = 1.5
     max_turn_rad_s: Positive = 1.0
     sensor_range_m: NotNegative = 90.0
+    body_m: NotNegative = 0.0
+    noise_sd: NotNegative = 0.0
     spares: Annotated[int, msgspec.Meta(ge=0, le=100)] = 0
 
 
@@ -59,6 +67,23 @@ class TowerSection(Section):
     parameters: dict[str, Any] = {}
     x_m: float = 0.0
     y_m: float = 0.0
+
+
+class BatterySection(Section):
+    """Charge in volts. Robots begin full, less the absolute value of a Gaussian of `start_sd_v`.
+
+    Drains are volts per hour: on the line, on the passing lane, and in the queue. A docked robot is given a full
+    battery at once, or charged from empty to full within `charge_s`. At `empty_v` it stops and falls silent.
+    The paper gives only 0.33 V/h while patrolling; the other figures are ours.
+    """
+
+    full_v: Positive = 9.0
+    empty_v: NotNegative = 8.0
+    start_sd_v: NotNegative = 0.03
+    patrolling_v_h: NotNegative = 0.33
+    travelling_v_h: NotNegative = 0.33
+    queueing_v_h: NotNegative = 0.10
+    charge_s: NotNegative = 0.0
 
 
 class Range(Section, tag_field="kind", tag="range"):
@@ -126,12 +151,13 @@ class PlannedFault(Section):
     nodes: tuple[NodeId, ...] = ()
     highest_ids_share: Share | None = None
     memory: Memory = "lost"
+    place: Place = "here"
 
 
 class Scenario(Section):
     """One run, whole."""
 
-    mission: Literal["area"]
+    mission: Literal["area", "line"]
     duration_s: Positive
     field: Field
     robots: Robots
@@ -140,6 +166,7 @@ class Scenario(Section):
     seed: Annotated[int, msgspec.Meta(ge=0, le=2**63 - 1)] = 1
     metrics_from_s: NotNegative = 0.0
     radio: RadioSection = RadioSection()
+    battery: BatterySection | None = None
     clock: ClockSection = ClockSection()
     watchdog: Watchdog = Watchdog()
     wire: WireSection = WireSection()

@@ -1,0 +1,133 @@
+"""What robots and tower of a line patrol say to each other, and how it travels hop by hop along the line.
+
+Source: reports and orders as in papers/line-patrol.txt, section III (Algorithms 2 and 3); the paper
+sends all messages directly, the flooding is ours. What is said goes out as one frame; who hears it and stands
+further along in its direction says it again, once, until it is too old or has come too far.
+"""
+
+from collections.abc import Iterable, Sequence
+from typing import Annotated, Literal, NamedTuple
+
+import msgspec
+
+from swarm_agent.behaviour import Heard
+
+State = Literal["queue", "out", "patrol", "home"]
+"""Waiting at the tower; on the way to a segment; patrolling it; on the way to the tower."""
+Tick = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
+SegmentNumber = Annotated[int, msgspec.Meta(ge=0, le=1000)]
+Metres = Annotated[float, msgspec.Meta(ge=0, le=1e9)]
+
+
+class Report(msgspec.Struct, frozen=True, array_like=True, tag="report"):
+    """A robot's word of itself: what it does, where (segment 0: none), and its charge.
+
+    `order`: number of the last order it has heard; `laps` since it took the segment; `low`: it goes home for
+    its battery's sake; `hops`: how many hops that order took.
+    """
+
+    state: State
+    segment: SegmentNumber
+    battery_v: Annotated[float, msgspec.Meta(ge=0, le=1000)]
+    order: Tick = 0
+    laps: Tick = 0
+    low: bool = False
+    hops: Tick = 0
+
+
+class Order(msgspec.Struct, frozen=True, array_like=True, tag="order"):
+    """The tower's word to one robot: take this segment, or, with segment 0, come home after this lap.
+
+    Numbers grow for ever, over restarts of the tower too; the highest one holds.
+    """
+
+    number: Tick
+    to: str
+    segment: SegmentNumber
+
+
+class Roll(msgspec.Struct, frozen=True, array_like=True, tag="roll"):
+    """The tower is there. With `answer` every robot is to report at once."""
+
+    answer: bool = False
+
+
+class Envelope(msgspec.Struct, frozen=True, array_like=True):
+    """A message on its way. `origin`, `said_tick` and `number` name it; who has seen the name is done with it.
+
+    `distance_m`: how far from the tower, along the line, whoever sent this copy stands. `relay`: is it to be
+    said again? A report travels towards the tower, everything else away from it.
+    """
+
+    origin: str
+    said_tick: Tick
+    number: Tick
+    message: Report | Order | Roll
+    distance_m: Metres
+    relay: bool = False
+    hops: Tick = 0
+
+
+class Word(NamedTuple):
+    """A message that is new to this node."""
+
+    origin: str
+    said_tick: int
+    message: Report | Order | Roll
+    hops: int
+
+
+class Relay:
+    """A node's part in the flooding: what is new, what is to be said again, and is the tower in direct range?"""
+
+    def __init__(self, node: str, tower: str, age_ticks: int, hops_most: int, contact_ticks: int) -> None:
+        self._node, self._tower = node, tower
+        self._age_ticks, self._hops_most, self._contact_ticks = age_ticks, hops_most, contact_ticks
+        self._seen: dict[tuple[str, int, int], int] = {}
+        self._tower_tick: int | None = None
+        self._onward: list[Envelope] = []
+        self._said = (-1, 0)
+
+    def hear(self, tick: int, heard: Sequence[Heard], distance_m: float) -> list[Word]:
+        """What is new in an inbox; what of it must travel on is kept for `outbox`."""
+        self._seen = {name: said for name, said in self._seen.items() if tick - said <= self._age_ticks}
+        new = []
+        for sender, sent_tick, envelope in heard:
+            if sender == self._tower:
+                self._tower_tick = max(sent_tick, self._tower_tick or 0)
+            name = (envelope.origin, envelope.said_tick, envelope.number)
+            too_old = tick - envelope.said_tick > self._age_ticks
+            if too_old or name in self._seen or envelope.origin == self._node:
+                continue
+            self._seen[name] = envelope.said_tick
+            new.append(Word(envelope.origin, envelope.said_tick, envelope.message, envelope.hops))
+            if self._travels_on(envelope, distance_m):
+                further = {"distance_m": distance_m, "hops": envelope.hops + 1}
+                self._onward.append(msgspec.structs.replace(envelope, **further))
+        return new
+
+    def in_contact(self, tick: int) -> bool:
+        """Has the tower's own voice been heard lately?"""
+        return self._tower_tick is not None and tick - self._tower_tick <= self._contact_ticks
+
+    def outbox(
+        self, tick: int, messages: Iterable[Report | Order | Roll], distance_m: float, relay: bool
+    ) -> tuple[Envelope, ...]:
+        """Everything to be said now: what others said and is to travel on, then our own messages."""
+        onward, self._onward = self._onward, []
+        last_tick, number = self._said
+        number = number if last_tick == tick else 0
+        own = []
+        for message in messages:
+            own.append(Envelope(self._node, tick, number, message, distance_m, relay))
+            number += 1
+        self._said = (tick, number)
+        return (*onward, *own)
+
+    def _travels_on(self, envelope: Envelope, distance_m: float) -> bool:
+        if not envelope.relay or envelope.hops >= self._hops_most or self._node == self._tower:
+            return False
+        if isinstance(envelope.message, Report):
+            return distance_m < envelope.distance_m
+        for_us = isinstance(envelope.message, Order) and envelope.message.to == self._node
+        return distance_m > envelope.distance_m and not for_us
