@@ -56,7 +56,7 @@ class Ledger(Protocol):
         """All entries of grants before this one; those of later grants, which never counted, are removed."""
 
     def write(self, grant: int, tick: int, entries: Sequence[Any]) -> None:
-        """Keep the entries of one grant, safe from a kill when this returns; the same grant again replaces."""
+        """Keep the entries of one grant, safe from a kill on return; the same grant again replaces."""
 
 
 class Behaviour(ABC):

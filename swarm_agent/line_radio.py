@@ -53,7 +53,7 @@ class Roll(msgspec.Struct, frozen=True, array_like=True, tag="roll"):
 
 
 class Envelope(msgspec.Struct, frozen=True, array_like=True):
-    """A message on its way. `origin`, `said_tick` and `number` name it; who has seen the name is done with it.
+    """A message on its way. `origin`, `said_tick` and `number` name it; who has seen it is done with it.
 
     `distance_m`: how far from the tower, along the line, whoever sent this copy stands. `relay`: is it to be
     said again? A report travels towards the tower, everything else away from it.
@@ -78,7 +78,7 @@ class Word(NamedTuple):
 
 
 class Relay:
-    """A node's part in the flooding: what is new, what is to be said again, and is the tower in direct range?"""
+    """A node's part in the flooding: what is new, what must be said again, and is the tower in range?"""
 
     def __init__(self, node: str, tower: str, age_ticks: int, hops_most: int, contact_ticks: int) -> None:
         self._node, self._tower = node, tower

@@ -72,7 +72,7 @@ class Line:
         return between
 
     def sites_m(self) -> list[float]:
-        """Arcs of left end, middle and right end of every segment, in order: site 3 (number - 1) + 0, 1, 2."""
+        """Arcs of left end, middle and right end of every segment: sites 3 (number - 1) + 0, 1, 2."""
         return [arc for one in self.segments for arc in (one.left_m, one.mid_m, one.right_m)]
 
     def point(self, arc_m: float, aside_m: float = 0.0) -> Point:

@@ -42,8 +42,8 @@ class Robots(Section):
     """The team. Ids are `r2`, `r3`, ... behind the tower's `r1` unless `ids` names them.
 
     `spares` are ids with credentials but without a body: the access rules are fixed when a run begins.
-    `body_m`: the distance bodies keep from each other; 0 lets them pass freely. `noise_sd`: standard deviation
-    of the noise on linear and rotational velocity, as a fraction of full speed, over one second.
+    `body_m`: the distance bodies keep from each other; 0 lets them pass freely. `noise_sd`: standard
+    deviation of the noise on linear and rotational velocity, as a fraction of full speed, over one second.
     """
 
     behaviour: str
@@ -72,8 +72,8 @@ class TowerSection(Section):
 class BatterySection(Section):
     """Charge in volts. Robots begin full, less the absolute value of a Gaussian of `start_sd_v`.
 
-    Drains are volts per hour: on the line, on the passing lane, and in the queue. A docked robot is given a full
-    battery at once, or charged from empty to full within `charge_s`. At `empty_v` it stops and falls silent.
+    Drains are volts per hour: on the line, on the passing lane, and in the queue. A docked robot is given a
+    full battery at once, or charged from empty to full within `charge_s`. At `empty_v` it stops, silent.
     The paper gives only 0.33 V/h while patrolling; the other figures are ours.
     """
 
