@@ -76,9 +76,11 @@ class Line:
         return [arc for one in self.segments for arc in (one.left_m, one.mid_m, one.right_m)]
 
     def point(self, arc_m: float, aside_m: float = 0.0) -> Point:
-        """The position at an arc, and `aside_m` to the left of the line."""
+        """The position at an arc, and `aside_m` to the left of the line; at a bend on its bisector."""
         leg = max(0, min(bisect_right(self._starts, arc_m) - 1, len(self._ways) - 1))
         along = arc_m - self._starts[leg]
+        if leg and along == 0:
+            return self._corner(leg, aside_m)
         (x_m, y_m), (way_x, way_y) = self._points[leg], self._ways[leg]
         return (x_m + along * way_x - aside_m * way_y, y_m + along * way_y + aside_m * way_x)
 
@@ -97,11 +99,13 @@ class Line:
 
     def along(self, from_m: float, to_m: float, aside_m: float = 0.0) -> list[Point]:
         """The way from one arc to another, bends included, without its first point and with its last."""
+        return [self.point(arc, aside_m) for arc in (*self.bends(from_m, to_m), to_m)]
+
+    def bends(self, from_m: float, to_m: float) -> list[float]:
+        """Arcs of the bends strictly between two arcs, in the order in which one comes to them."""
         low, high = min(from_m, to_m), max(from_m, to_m)
-        bends = [leg for leg in range(1, len(self._ways)) if low < self._starts[leg] < high]
-        if to_m < from_m:
-            bends.reverse()
-        return [self._corner(leg, aside_m) for leg in bends] + [self.point(to_m, aside_m)]
+        between = [start for start in self._starts[1:] if low < start < high]
+        return between if from_m <= to_m else between[::-1]
 
     def slot(self, row: int) -> Point:
         """The place of the robot with this row in the queue: behind the passing lane, at the tower."""

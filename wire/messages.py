@@ -71,8 +71,8 @@ class Configuration(Message):
     field: Field
     max_speed_m_s: float
     tower_m: tuple[float, float] = (0.0, 0.0)
-    queue_m: tuple[float, float] | None = None
-    """This robot's own place in the tower's queue, where a mission has one."""
+    row: Count = 0
+    """This robot's place among the robots, in order of their numbers, from 0: also its place in a queue."""
     body_m: float = 0.0
     """The distance that bodies keep from each other; 0: they pass each other freely."""
 
