@@ -16,7 +16,9 @@ from swarm_agent.behaviour import Behaviour, Heard, Move, Parameters
 from swarm_agent.line_radio import Report
 from swarm_agent.line_routes import Routes
 from wire.line import Line
-from wire.messages import Configuration, Follow, Percept
+from wire.messages import WAKE_ON_ARRIVAL, Configuration, Follow, Percept
+
+CLOSE_M = 1e-3
 
 
 class OverlapPatrolParameters(Parameters, frozen=True):
@@ -40,6 +42,7 @@ class OverlapPatrol(Behaviour):
     ) -> None:
         super().__init__(parameters, configuration, generator)
         line, tick_s = Line(configuration.field, configuration.tower_m), configuration.tick_s
+        self.line, self.in_place = line, False
         self.routes = Routes(line, configuration.row, body_m=0.0)
         self.number = configuration.row % len(line.segments) + 1
         last = min(self.number + parameters.overlap - 1, len(line.segments))
@@ -55,19 +58,34 @@ class OverlapPatrol(Behaviour):
         self.laps = 0
 
     def step(self, percept: Percept, heard: Sequence[Heard]) -> Move:
-        """At the beginning of a half period of the one direction or the other; else wait for it."""
-        tick, battery_v = percept.tick, percept.senses.battery_v or 0.0
+        """Get into place, then set out at the beginning of each half period; wait in between."""
+        tick = percept.tick
+        if not self.in_place:
+            return self._get_into_place(percept)
         period, phase = divmod(tick, 2 * self.half_ticks)
         back_tick = self.half_ticks + self.wait_ticks
         if phase == 0:
-            self.laps = period
-            path = self.routes.over(self.left_m, self.right_m)
-            next_tick = tick + back_tick
+            path, later = self.routes.over(self.left_m, self.right_m), back_tick
         elif phase == back_tick:
-            path = self.routes.over(self.right_m, self.left_m)
-            next_tick = tick - phase + 2 * self.half_ticks
+            path, later = self.routes.over(self.right_m, self.left_m), 2 * self.half_ticks
         else:
-            later = back_tick if phase < back_tick else 2 * self.half_ticks
-            return Move(None, (), tick - phase + later)
-        report = Report("patrol", self.number, battery_v, laps=self.laps) if phase == 0 else None
-        return Move(Follow(tuple(path), self.parameters.backwards), (), next_tick, report=report)
+            return Move(wake_tick=tick - phase + (back_tick if phase < back_tick else 2 * self.half_ticks))
+        battery_v = percept.senses.battery_v or 0.0
+        report = Report("patrol", self.number, battery_v, laps=period) if phase == 0 else None
+        motion = Follow(tuple(path), self.parameters.backwards)
+        return Move(motion, wake_tick=tick - phase + later, report=report)
+
+    def _get_into_place(self, percept: Percept) -> Move:
+        """To the left end of the own segment; with more robots than segments the last ones rest."""
+        if self.configuration.row >= len(self.line.segments):
+            return Move()
+        senses, left = percept.senses, self.line.point(self.left_m)
+        position = (senses.pose.x_m, senses.pose.y_m)
+        if math.dist(position, left) <= CLOSE_M or (senses.arrived and senses.travelled_m > 0):
+            self.in_place = True
+            return self.step(percept, ())
+        if senses.travelled_m > 0:
+            return Move(wake_on=WAKE_ON_ARRIVAL)
+        near_m = self.line.segment(self.number).near_m
+        path = [*self.routes.out(position, True, self.number), *self.routes.over(near_m, self.left_m), left]
+        return Move(Follow(tuple(path)), wake_on=WAKE_ON_ARRIVAL)
