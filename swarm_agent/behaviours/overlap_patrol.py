@@ -1,7 +1,7 @@
 """The overlapping patrol of earlier work: every robot moves over `overlap` segments and back, in step.
 
-Source: papers/line-patrol.txt, Algorithm 1. Robot j begins at the left end of segment j. Robots synchronise by
-time, which they share: a half period lasts as long as `overlap` segments and one turn. Who would run past the
+Source: papers/line-patrol.txt, Algorithm 1. Robot j begins at the left end of segment j. Robots synchronise
+by time, which they share: a half period lasts as long as `overlap` segments and one turn. Who would run past the
 right end of the line stops there and comes back when the others have caught up (lines 4-6).
 """
 
@@ -22,7 +22,7 @@ CLOSE_M = 1e-3
 
 
 class OverlapPatrolParameters(Parameters, frozen=True):
-    """`turn_s`: time lost at each end by turning and waiting (c). `backwards`: it drives back without turning."""
+    """`turn_s`: time lost at each end by turning and waiting (c). `backwards`: no turn to drive back."""
 
     overlap: Annotated[int, msgspec.Meta(ge=1, le=1000)] = 1
     turn_s: Annotated[float, msgspec.Meta(ge=0)] = 0.0
