@@ -38,9 +38,9 @@ HOME = 0
 
 class LinePatrolParameters(Parameters, frozen=True):
     """Batteries are reported every `report_laps` laps. Below `home_v` a robot goes home after its lap,
-    whatever the tower says; in the queue it takes a new battery below `swap_below_v`. `backwards`: it drives back over
-    its segment without turning. The rest limits the flooding of frames: hops, age, and how long the tower's
-    own voice counts as contact.
+    whatever the tower says; in the queue it takes a new battery below `swap_below_v`. `backwards`: it drives
+    back over its segment without turning. The rest limits the flooding of frames: hops, age, and how long the
+    tower's own voice counts as contact.
     """
 
     report_laps: Annotated[int, msgspec.Meta(ge=1, le=10_000)] = 10

@@ -1,8 +1,8 @@
 """The overlapping patrol of earlier work: every robot moves over `overlap` segments and back, in step.
 
 Source: papers/line-patrol.txt, Algorithm 1. Robot j begins at the left end of segment j. Robots synchronise
-by time, which they share: a half period lasts as long as `overlap` segments and one turn. Who would run past the
-right end of the line stops there and comes back when the others have caught up (lines 4-6).
+by time, which they share: a half period lasts as long as `overlap` segments and one turn. Who would run past
+the right end of the line stops there and comes back when the others have caught up (lines 4-6).
 """
 
 import math
