@@ -213,7 +213,7 @@ class LinePatrol(Behaviour):
             return self._follow(self.routes.home(position, sidestep=True))
         if not senses.arrived:
             return None
-        self.state, self.low, self._docking = "queue", False, True
+        self.state, self.laps, self.low, self._docking = "queue", 0, False, True
         return Dock()
 
     def _go_out(self, position: tuple[float, float], from_queue: bool) -> Motion:

@@ -1,0 +1,132 @@
+"""Flooding along the line: everything new is heard once, travels its direction, and dies of age or hops."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from swarm_agent.behaviour import Heard
+from swarm_agent.line_radio import Envelope, Order, Relay, Report, Roll
+from wire import codec
+
+REPORT = Report("patrol", 3, 8.9)
+
+
+def relay(node="r5", age_ticks=60, hops_most=5):
+    return Relay(node, "r1", age_ticks, hops_most, contact_ticks=600)
+
+
+def heard(message=REPORT, origin="r9", said=10, distance_m=20.0, again=True, hops=0, sender=None):
+    envelope = Envelope(origin, said, 0, message, distance_m, again, hops)
+    return Heard(sender or origin, said, envelope)
+
+
+def onward(node, distance_m=10.0):
+    return node.outbox(11, (), distance_m, relay=False)
+
+
+def test_a_message_is_new_once_however_often_it_comes():
+    node = relay()
+    copies = [heard(), heard(sender="r4", hops=1), heard(sender="r3", hops=2)]
+    assert len(node.hear(11, copies, 10.0)) == 1
+    assert node.hear(12, copies, 10.0) == []
+    assert len(onward(node)) == 1
+
+
+def test_a_report_travels_on_only_towards_the_tower():
+    node = relay()
+    node.hear(11, [heard(distance_m=20.0)], distance_m=10.0)
+    (copy,) = onward(node)
+    assert (copy.origin, copy.hops, copy.distance_m) == ("r9", 1, 10.0)
+    other = relay()
+    other.hear(11, [heard(distance_m=5.0)], distance_m=10.0)
+    assert onward(other) == ()
+
+
+def test_an_order_travels_on_only_away_from_the_tower_and_not_beyond_whom_it_is_for():
+    outer, inner, addressee = relay(), relay(), relay("r7")
+    order = heard(Order(1, "r7", 2), origin="r1", distance_m=10.0)
+    outer.hear(11, [order], distance_m=15.0)
+    inner.hear(11, [order], distance_m=5.0)
+    addressee.hear(11, [order], distance_m=15.0)
+    assert len(onward(outer)) == 1
+    assert onward(inner) == () and onward(addressee) == ()
+
+
+def test_what_is_not_to_be_relayed_stays():
+    node = relay()
+    assert len(node.hear(11, [heard(again=False)], 10.0)) == 1
+    assert onward(node) == ()
+
+
+def test_too_many_hops_are_heard_and_not_said_again():
+    node = relay(hops_most=5)
+    assert len(node.hear(11, [heard(hops=5)], 10.0)) == 1
+    assert onward(node) == ()
+
+
+def test_what_is_too_old_is_not_heard():
+    node = relay(age_ticks=60)
+    assert node.hear(71, [heard(said=10)], 10.0) == []
+    assert len(node.hear(70, [heard(said=10)], 10.0)) == 1
+
+
+def test_ones_own_words_are_no_news():
+    node = relay("r9")
+    assert node.hear(11, [heard(origin="r9", sender="r4")], 10.0) == []
+
+
+def test_the_tower_relays_nothing():
+    tower = relay("r1")
+    assert len(tower.hear(11, [heard()], 0.0)) == 1
+    assert onward(tower, 0.0) == ()
+
+
+def test_contact_is_the_towers_own_voice_and_passes():
+    node = relay()
+    assert not node.in_contact(0)
+    node.hear(11, [heard(Roll(), origin="r1", sender="r4")], 10.0)
+    assert not node.in_contact(11), "a relayed word is no contact"
+    node.hear(20, [heard(Roll(), origin="r1", said=19)], 10.0)
+    assert node.in_contact(20) and node.in_contact(619) and not node.in_contact(620)
+
+
+def test_several_messages_of_one_tick_have_different_names():
+    node = relay()
+    one, two = node.outbox(11, (REPORT, REPORT), 10.0, relay=True)
+    (three,) = node.outbox(11, (REPORT,), 10.0, relay=True)
+    assert len({(copy.origin, copy.said_tick, copy.number) for copy in (one, two, three)}) == 3
+    assert one.relay
+
+
+@given(
+    st.integers(2, 25).flatmap(
+        lambda count: st.tuples(
+            st.lists(st.floats(0.5, 1.9), min_size=count, max_size=count), st.permutations(range(count))
+        )
+    )
+)
+def test_along_any_line_without_a_hole_every_report_arrives_and_every_copy_is_said_once(line):
+    """Robots at most 1.9 m apart and a range of 2 m: the outermost robot's report reaches the tower."""
+    gaps, order = line
+    distances = {f"r{number + 2}": sum(gaps[: number + 1]) for number in range(len(gaps))}
+    places = {"r1": 0.0} | distances
+    nodes = {name: relay(name, hops_most=64) for name in places}
+    outermost = f"r{len(gaps) + 1}"
+    air = {outermost: nodes[outermost].outbox(0, (REPORT,), places[outermost], relay=True)}
+    said, arrived = 1, False
+    for tick in range(1, 40):
+        new_air = {}
+        for index in (*order, -1):
+            name = f"r{index + 2}"
+            inbox = [
+                Heard(sender, tick - 1, codec.decode(Envelope, codec.encode(one)))
+                for sender, copies in air.items()
+                for one in copies
+                if sender != name and abs(places[sender] - places[name]) <= 2.0
+            ]
+            words = nodes[name].hear(tick, inbox, places[name])
+            arrived = arrived or (name == "r1" and bool(words))
+            new_air[name] = nodes[name].outbox(tick, (), places[name], relay=False)
+        said += sum(map(len, new_air.values()))
+        air = new_air
+    assert arrived
+    assert said <= len(gaps)
