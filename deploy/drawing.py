@@ -95,7 +95,8 @@ class Picture:
         def fixed(entity: str, what: Any) -> None:
             self._stream.log(entity, what, static=True)
 
-        names = [scene.nodes[row] for row in self._robots]
+        # What is fixed hides what is not: names that say trouble come with every snapshot.
+        names = None if self._names_say_trouble else [scene.nodes[row] for row in self._robots]
         fixed("map/robots", rr.Points2D.from_fields(radii=[self._radius_m], draw_order=40))
         fixed(
             "map/names",
@@ -195,10 +196,16 @@ def _log_strips(mission: Mission, fixed: Fixed) -> None:
         ways = [_view(np.array(way)) for way in mission.ways]
         fixed("map/ways", rr.LineStrips2D(ways, radii=[-0.7], colors=[FAINT], draw_order=5))
     if mission.places:
-        places, sizes_m = _view(np.array(mission.places)), [(mission.radius_m, mission.radius_m)]
+        places, sizes_m = _view(np.array(mission.places)), [(mission.radius_m,) * 2] * len(mission.places)
         fixed(
             "map/places",
             rr.Boxes2D(centers=places, half_sizes=sizes_m, radii=[-0.5], colors=[FAINT], draw_order=5),
+        )
+    if mission.notes:
+        points, words = zip(*mission.notes, strict=True)
+        fixed(
+            "map/notes",
+            rr.Points2D(_view(np.array(points)), radii=[0], colors=[GREY], labels=words, show_labels=True),
         )
     if mission.strips:
         strips = [_view(np.array(strip.points_m)) for strip in mission.strips]
@@ -207,7 +214,7 @@ def _log_strips(mission: Mission, fixed: Fixed) -> None:
             "map/numbers",
             rr.Points2D.from_fields(
                 positions=_view(np.array([strip.label_m for strip in mission.strips])),
-                radii=[0.01],
+                radii=[0],
                 colors=[WHITE],
                 show_labels=True,
                 draw_order=50,

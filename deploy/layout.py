@@ -10,11 +10,11 @@ from wire.scenario import Scenario
 TIMELINE = "sim_time"
 REPLAY_S = 120.0
 WIDE = 1.3
-"""A map so many times as wide as it is high has curves below it."""
+"""A map that is so many times as wide as it is high has room below it, for the mission's first diagram."""
 
 
 def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
-    """The map at the left; curves, lanes of states and the event log beside it, or below a map that is wide."""
+    """The map at the left; curves, lanes of states and the event log beside it."""
     axis = rrb.TimeAxis(view_range=_window(scene.scenario, follow))
     infinite = rr.TimeRangeBoundary.infinite()
     all_time = rrb.VisibleTimeRange(TIMELINE, start=infinite, end=infinite)
@@ -25,9 +25,9 @@ def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
     about = rrb.TextDocumentView(origin="about", name="About")
     left, bottom, right, top = scene.mission.bounds_m
     if right - left > WIDE * (top - bottom):
-        below = rrb.Vertical(_map(scene), *plots[:2], row_shares=[50, 22, 28])
-        texts = rrb.Tabs(events, plots[-1], about)
-        beside = rrb.Vertical(lanes, *plots[2:-1], texts, row_shares=[50, *(22 for _ in plots[2:-1]), 28])
+        below = rrb.Vertical(_map(scene), plots[0], row_shares=[62, 38])
+        others, texts = plots[1:-1], rrb.Tabs(events, plots[-1], about)
+        beside = rrb.Vertical(lanes, *others, texts, row_shares=[42, *(20 for _ in others), 18])
         views = rrb.Horizontal(below, beside, column_shares=[11, 9])
     else:
         texts = rrb.Tabs(events, *plots[2:], about)
@@ -53,7 +53,9 @@ def _map(scene: Scene) -> rrb.Spatial2DView:
     bounds = rrb.VisualBounds2D(
         x_range=(left - margin, right + margin), y_range=(-top - margin, margin - bottom)
     )
-    return rrb.Spatial2DView(origin="map", name="Map", visual_bounds=bounds, background=(14, 15, 20))
+    return rrb.Spatial2DView(
+        origin="map", name=scene.mission.title, visual_bounds=bounds, background=(14, 15, 20)
+    )
 
 
 def _diagram(plot: Plot, axis: rrb.TimeAxis, times: rrb.VisibleTimeRange) -> rrb.TimeSeriesView:

@@ -10,19 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from deploy.scenes.mission import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    RED,
-    YELLOW,
-    Colour,
-    Mission,
-    Paint,
-    Plot,
-    Strip,
-)
+from deploy.scenes.mission import BLUE, GREEN, GREY, ORANGE, RED, YELLOW, Colour, Mission, Paint, Plot, Strip
 from swarm_agent.line_radio import Report
 from wire import codec
 from wire.line import Line
@@ -52,6 +40,7 @@ class LineMission(Mission):
     """A line whose segments are coloured by their age, and robots coloured by their charge."""
 
     states: ClassVar = {"patrol": GREEN, "out": BLUE, "home": ORANGE, "queue": GREY}
+    title = "Map: segments (number, time since covered) and robots (charge), from green to red"
     names_say_trouble = True
 
     def __init__(self, scenario: Scenario) -> None:
@@ -127,9 +116,11 @@ class LineMission(Mission):
             (line.point(0.0, aside_m), *line.along(0.0, line.length_m, aside_m)) for aside_m in (0.0, lane_m)
         )
         self.places = tuple(line.slot(row) for row in range(len(scenario.robot_ids)))
+        above_m = line.slot(len(scenario.robot_ids))
+        self.notes = ((above_m, "queue"), (line.point(0.0, 2 * lane_m), "passing lane"))
         tower_m = (scenario.tower.x_m, scenario.tower.y_m)
         labels_m = (one.label_m for one in self.strips)
-        seen_m = np.array([*self.ways[0], *self.ways[1], *self.places, *labels_m, tower_m])
+        seen_m = np.array([*self.ways[0], *self.ways[1], *self.places, *labels_m, tower_m, above_m])
         low, high = seen_m.min(axis=0), seen_m.max(axis=0)
         self.radius_m = max(scenario.robots.body_m / 2, float(high[0] - low[0]) * SMALLEST)
         low, high = low - 2 * self.radius_m, high + 2 * self.radius_m
@@ -149,9 +140,10 @@ def _plots(robots: tuple[str, ...], battery: BatterySection | None) -> tuple[Plo
     if battery is None:
         return (ages, numbers)
     series = tuple(zip(robots, cycle(PALETTE), strict=False))
-    span = (battery.empty_v, battery.full_v)
+    margin_v = (battery.full_v - battery.empty_v) / 10
+    span = (battery.empty_v - margin_v, battery.full_v + margin_v)
     title = f"Battery in V: full {battery.full_v:g}, flat {battery.empty_v:g}"
-    return (ages, Plot("battery", title, series, span), numbers)
+    return (Plot("battery", title, series, span), ages, numbers)
 
 
 def _legend(lap_s: float, battery: BatterySection | None) -> str:

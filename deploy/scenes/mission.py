@@ -50,6 +50,8 @@ class Mission:
     """Left, bottom, right, top of what is to be seen."""
     radius_m: float
     """Of a robot as it is drawn."""
+    title: str = "Map"
+    """Of the map."""
     legend: str
     """A sentence or two about what is drawn of this mission."""
     hottest_s: float = 0.0
@@ -59,6 +61,8 @@ class Mission:
     """Thin lines beneath everything."""
     places: tuple[Point, ...] = ()
     """Where robots wait."""
+    notes: tuple[tuple[Point, str], ...] = ()
+    """Words on the map."""
     names_say_trouble: bool = False
     """Does a name say `dead`, `flat` or `frozen`, because colours alone would not?"""
 
