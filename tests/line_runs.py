@@ -1,4 +1,4 @@
-"""Synthetic runs of a line patrol: robots that drive, say what they do, and lose charge, without processes."""
+"""Synthetic runs of a line patrol: bodies that drive, say what they do, and lose charge."""
 
 from collections.abc import Iterator
 from pathlib import Path

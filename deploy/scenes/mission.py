@@ -1,4 +1,4 @@
-"""What pictures of all missions are made of, and what a mission may add to the picture of bodies and radio."""
+"""What pictures of all missions are made of, and what a mission may add to bodies and radio."""
 
 from typing import ClassVar, NamedTuple
 
@@ -18,7 +18,7 @@ OWN = {BASE: WHITE, FROZEN: ICE, DEAD: RED, FLAT: VIOLET}
 
 
 class Plot(NamedTuple):
-    """One diagram over time; `series` are names and colours of its curves. `span`: the axis, None: by itself."""
+    """One diagram over time; `series` are names and colours of its curves, `span` is the range of its axis."""
 
     name: str
     title: str
