@@ -27,7 +27,7 @@ def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
     if right - left > WIDE * (top - bottom):
         below = rrb.Vertical(_map(scene), plots[0], row_shares=[62, 38])
         others, texts = plots[1:-1], rrb.Tabs(events, plots[-1], about)
-        beside = rrb.Vertical(lanes, *others, texts, row_shares=[42, *(20 for _ in others), 18])
+        beside = rrb.Vertical(lanes, *others, texts, row_shares=[45, *(18 for _ in others), 19])
         views = rrb.Horizontal(below, beside, column_shares=[11, 9])
     else:
         texts = rrb.Tabs(events, *plots[2:], about)

@@ -155,8 +155,8 @@ def _legend(lap_s: float, battery: BatterySection | None) -> str:
     return (
         f"Segments: number and coverage age, the time since the least recently visited of both ends and the "
         f"middle. Green within a lap ({FRESH_LAPS * lap_s:.0f} s), red after {STALE_LAPS:g} laps "
-        f"({STALE_LAPS * lap_s:.0f} s). Grey: gaps, the passing lane beside the line, and places of the queue "
-        f"at the base station. {charged}; violet: flat."
+        f"({STALE_LAPS * lap_s:.0f} s). Grey: gaps, the passing lane beside the line, and the places of the "
+        f"queue at the base station. {charged}; violet: flat."
     )
 
 

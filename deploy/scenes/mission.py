@@ -18,7 +18,7 @@ OWN = {BASE: WHITE, FROZEN: ICE, DEAD: RED, FLAT: VIOLET}
 
 
 class Plot(NamedTuple):
-    """One diagram over time; `series` are names and colours of its curves, `span` is the range of its axis."""
+    """One diagram over time; `series` are names and colours of its curves, `span` its vertical range."""
 
     name: str
     title: str
