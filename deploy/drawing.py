@@ -1,4 +1,4 @@
-"""What the dashboard draws: the only user of Rerun; the same picture live and in recordings.
+"""What the dashboard draws, with Rerun; the same picture live and in recordings.
 
 Fields have their origin at the bottom left and y upwards; Rerun's 2D views have y downwards. Everything that
 is drawn is therefore given at (x, -y), in metres, and images begin with their top row. A snapshot is one row
@@ -11,16 +11,15 @@ from typing import Any
 
 import numpy as np
 import rerun as rr
-import rerun.blueprint as rrb
 
-from deploy.scene import BASE, DEAD, FROZEN, ICE, RED, Plot, Scene, Snapshot, describe
+from deploy.layout import TIMELINE, blueprint
+from deploy.scene import Scene, Snapshot, describe
+from deploy.scenes.mission import BASE, GREY, OWN, WHITE, Mission
 from wire.fields import Grid
-from wire.scenario import Scenario
 
-TIMELINE = "sim_time"
-REPLAY_S = 120.0
-WHITE, GREY, LINK = (240, 240, 245), (120, 124, 140), (120, 230, 255)
-RADIO = Plot("radio", "Radio: frames delivered per tick", (("delivered", (110, 200, 220)),))
+LINK, FAINT = (120, 230, 255), (70, 74, 88)
+Fixed = Callable[[str, Any], None]
+"""Logs to an entity what holds for all times."""
 
 
 class Picture:
@@ -31,10 +30,8 @@ class Picture:
         self._nodes = scene.nodes
         self._tower = scene.nodes.index(scene.scenario.tower.id)
         self._robots = [row for row in range(len(scene.nodes)) if row != self._tower]
-        self._bounds_m = scene.mission.bounds_m
-        self._radius_m = (self._bounds_m[2] - self._bounds_m[0]) / 85
-        self._colours = {BASE: WHITE, FROZEN: ICE, DEAD: RED} | scene.mission.states
-        self._hottest_s = scene.mission.hottest_s
+        self._radius_m = scene.mission.radius_m
+        self._names_say_trouble = scene.mission.names_say_trouble
         self._log_fixed(scene)
 
     def show(self, snapshot: Snapshot) -> None:
@@ -45,7 +42,7 @@ class Picture:
             if change.state != BASE or change.time_s > 0:  # no lane for the tower, unless it is struck
                 stream.log(f"states/{change.node}", rr.StateChange(state=change.state))
             if change.node == self._nodes[self._tower]:
-                stream.log("map/base", rr.Boxes2D.from_fields(colors=[self._colours[change.state]]))
+                stream.log("map/base", rr.Boxes2D.from_fields(colors=[OWN[change.state]]))
         for line in snapshot.lines:
             stream.set_time(TIMELINE, duration=line.time_s)
             stream.log("events", rr.TextLog(line.text, level=line.level))
@@ -60,11 +57,12 @@ class Picture:
         stream.log(
             "map/robots",
             rr.Points2D.from_fields(
-                positions=points[robots], colors=[self._colours[snapshot.states[row]] for row in robots]
+                positions=points[robots], colors=[snapshot.colours[row] for row in robots]
             ),
         )
         below = points[robots] + (0, 0.7 * self._radius_m)
-        stream.log("map/names", rr.Points2D.from_fields(positions=below))
+        labels = self._labels(snapshot) if self._names_say_trouble else None
+        stream.log("map/names", rr.Points2D.from_fields(positions=below, labels=labels))
         if len(snapshot.links):
             stream.log("map/links", rr.LineStrips2D.from_fields(strips=points[snapshot.links]))
         else:
@@ -81,6 +79,15 @@ class Picture:
             stream.log("map/goals", rr.Clear(recursive=False))
         if snapshot.heat_s is not None:
             stream.log("map/idleness", rr.DepthImage.from_fields(buffer=snapshot.heat_s[::-1].tobytes()))
+        if snapshot.paints:
+            colours, labels = zip(*snapshot.paints, strict=True)
+            stream.log("map/strips", rr.LineStrips2D.from_fields(colors=colours))
+            stream.log("map/numbers", rr.Points2D.from_fields(labels=labels))
+
+    def _labels(self, snapshot: Snapshot) -> list[str]:
+        """Names of robots; those in trouble with what it is."""
+        states = [(self._nodes[row], snapshot.states[row]) for row in self._robots]
+        return [f"{node} {state}" if state in OWN else node for node, state in states]
 
     def _log_fixed(self, scene: Scene) -> None:
         """What does not change: styles, the grid, names, the description of the run."""
@@ -88,7 +95,8 @@ class Picture:
         def fixed(entity: str, what: Any) -> None:
             self._stream.log(entity, what, static=True)
 
-        names = [scene.nodes[row] for row in self._robots]
+        # What is fixed hides what is not: names that say trouble come with every snapshot.
+        names = None if self._names_say_trouble else [scene.nodes[row] for row in self._robots]
         fixed("map/robots", rr.Points2D.from_fields(radii=[self._radius_m], draw_order=40))
         fixed(
             "map/names",
@@ -116,38 +124,15 @@ class Picture:
                 "map/reach",
                 rr.Ellipses2D(centers=tower, half_sizes=radii_m, line_radii=[-0.7], colors=[GREY]),
             )
-        self._log_grid(scene.scenario.field, fixed)
-        for plot in (*scene.mission.plots, RADIO):
+        _log_grid(scene, fixed)
+        _log_strips(scene.mission, fixed)
+        for plot in scene.plots:
             series, colours = zip(*plot.series, strict=True)
             fixed(f"plots/{plot.name}", rr.SeriesLines(names=series, colors=colours, widths=[1.5]))
-        states, colours = zip(*self._colours.items(), strict=True)
+        states, colours = zip(*(OWN | scene.mission.states).items(), strict=True)
         for node in scene.nodes:
             fixed(f"states/{node}", rr.StateConfiguration(values=states, labels=states, colors=colours))
         fixed("about", rr.TextDocument(describe(scene), media_type="text/markdown"))
-
-    def _log_grid(self, field: Any, fixed: Callable[[str, Any], None]) -> None:
-        """The lines between cells, and where the heat map's pixels lie: one pixel is one cell."""
-        if not isinstance(field, Grid):
-            return
-        left, bottom, right, top = self._bounds_m
-        x_m, y_m = np.linspace(left, right, field.columns + 1), np.linspace(bottom, top, field.rows + 1)
-        lines = [((x, -bottom), (x, -top)) for x in x_m] + [((left, -y), (right, -y)) for y in y_m]
-        fixed("map/grid", rr.LineStrips2D(lines, radii=[-0.4], colors=[(30, 30, 38)], draw_order=5))
-        fixed("map/idleness", rr.Transform3D(translation=(left, -top, 0), scale=field.cell_m))
-        pixels = rr.components.ImageFormat(
-            width=field.columns, height=field.rows, channel_datatype=rr.ChannelDatatype.F32
-        )
-        fixed(
-            "map/idleness",
-            rr.DepthImage.from_fields(
-                format=pixels,
-                meter=1.0,
-                colormap="inferno",
-                depth_range=(0, self._hottest_s),
-                magnification_filter="nearest",
-                draw_order=0,
-            ),
-        )
 
 
 class FileSink(Picture):
@@ -179,57 +164,62 @@ class LiveSink(Picture):
         self._stream.disconnect()
 
 
-def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
-    """The layout: the map at the left; curves, lanes of states and the event log at the right."""
+def _log_grid(scene: Scene, fixed: Fixed) -> None:
+    """The lines between cells, and where the heat map's pixels lie: one pixel is one cell."""
+    field = scene.scenario.field
+    if not isinstance(field, Grid):
+        return
     left, bottom, right, top = scene.mission.bounds_m
-    margin = 0.04 * max(right - left, top - bottom)
-    bounds = rrb.VisualBounds2D(
-        x_range=(left - margin, right + margin), y_range=(-top - margin, margin - bottom)
+    x_m, y_m = np.linspace(left, right, field.columns + 1), np.linspace(bottom, top, field.rows + 1)
+    lines = [((x, -bottom), (x, -top)) for x in x_m] + [((left, -y), (right, -y)) for y in y_m]
+    fixed("map/grid", rr.LineStrips2D(lines, radii=[-0.4], colors=[(30, 30, 38)], draw_order=5))
+    fixed("map/idleness", rr.Transform3D(translation=(left, -top, 0), scale=field.cell_m))
+    pixels = rr.components.ImageFormat(
+        width=field.columns, height=field.rows, channel_datatype=rr.ChannelDatatype.F32
     )
-    world = rrb.Spatial2DView(origin="map", name="Map", visual_bounds=bounds, background=(14, 15, 20))
-    infinite = rr.TimeRangeBoundary.infinite()
-    all_time = rrb.VisibleTimeRange(TIMELINE, start=infinite, end=infinite)
-    axis = rrb.TimeAxis(view_range=_window(scene.scenario, follow))
-    plots = [
-        rrb.TimeSeriesView(
-            origin=f"plots/{plot.name}",
-            name=plot.title,
-            time_ranges=[all_time],
-            axis_x=axis,
-            plot_legend=rrb.PlotLegend("LeftTop"),
-        )
-        for plot in (*scene.mission.plots, RADIO)
-    ]
-    lanes = rrb.StateTimelineView(origin="states", name="Robots", time_ranges=[all_time], time_view=axis)
-    columns = rrb.TextLogColumns(text_log_columns=["LogLevel", "Body"])
-    events = rrb.TextLogView(origin="events", name="Events", columns=columns)
-    about = rrb.TextDocumentView(origin="about", name="About")
-    side = rrb.Vertical(*plots[:2], lanes, rrb.Tabs(events, *plots[2:], about), row_shares=[12, 12, 43, 18])
-    # A person who opens a recording sees the run pass in REPLAY_S.
-    speed = None if follow else scene.scenario.duration_s / REPLAY_S
-    play = "following" if follow else "playing"
-    return rrb.Blueprint(
-        rrb.Horizontal(world, side, column_shares=[11, 9]),
-        rrb.TopPanel(state="hidden"),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state=play, playback_speed=speed),
-        auto_views=False,
-        auto_layout=False,
+    fixed(
+        "map/idleness",
+        rr.DepthImage.from_fields(
+            format=pixels,
+            meter=1.0,
+            colormap="inferno",
+            depth_range=(0, scene.mission.hottest_s),
+            magnification_filter="nearest",
+            draw_order=0,
+        ),
     )
 
 
-def _window(scenario: Scenario, follow: bool) -> rr.TimeRange:
-    """What curves and lanes show: the whole run, or the last twenty minutes of a paced run."""
-    if follow and scenario.clock.kind == "paced":
-        span_s = min(scenario.duration_s, 1200 * scenario.clock.rate)
-        return rr.TimeRange(
-            rr.TimeRangeBoundary.cursor_relative(seconds=-span_s),
-            rr.TimeRangeBoundary.cursor_relative(seconds=span_s / 20),
+def _log_strips(mission: Mission, fixed: Fixed) -> None:
+    """Ways, places where robots wait, and strips; the colours of strips come with every snapshot."""
+    if mission.ways:
+        ways = [_view(np.array(way)) for way in mission.ways]
+        fixed("map/ways", rr.LineStrips2D(ways, radii=[-0.7], colors=[FAINT], draw_order=5))
+    if mission.places:
+        places, sizes_m = _view(np.array(mission.places)), [(mission.radius_m,) * 2] * len(mission.places)
+        fixed(
+            "map/places",
+            rr.Boxes2D(centers=places, half_sizes=sizes_m, radii=[-0.5], colors=[FAINT], draw_order=5),
         )
-    return rr.TimeRange(
-        rr.TimeRangeBoundary.absolute(seconds=0.0), rr.TimeRangeBoundary.absolute(seconds=scenario.duration_s)
-    )
+    if mission.notes:
+        points, words = zip(*mission.notes, strict=True)
+        fixed(
+            "map/notes",
+            rr.Points2D(_view(np.array(points)), radii=[0], colors=[GREY], labels=words, show_labels=True),
+        )
+    if mission.strips:
+        strips = [_view(np.array(strip.points_m)) for strip in mission.strips]
+        fixed("map/strips", rr.LineStrips2D.from_fields(strips=strips, radii=[-5.0], draw_order=10))
+        fixed(
+            "map/numbers",
+            rr.Points2D.from_fields(
+                positions=_view(np.array([strip.label_m for strip in mission.strips])),
+                radii=[0],
+                colors=[WHITE],
+                show_labels=True,
+                draw_order=50,
+            ),
+        )
 
 
 def _view(points_m: np.ndarray) -> np.ndarray:

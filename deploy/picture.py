@@ -14,7 +14,7 @@ from PIL import Image
 from rerun.experimental import ViewerClient
 
 from deploy.dashboard import record
-from deploy.drawing import TIMELINE
+from deploy.layout import TIMELINE
 from deploy.viewer import Viewer, ViewerError, launch
 
 TITLE_BAR = 36  # pixels of the window's own bar, which is empty without a window

@@ -1,30 +1,19 @@
 """What a picture of a run shows, folded from facts and events. Pure: no viewer, no clock.
 
 Positions are metres in the field's frame: origin at the bottom left, y upwards. Times are seconds of
-simulated time. What only one mission has (its curves, heat map, words for what robots do) is in one class.
+simulated time. What only one mission has (its curves, heat map or strips, words for what robots do) is in
+deploy/scenes.
 """
 
-from typing import ClassVar, NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
-from deploy.metrics.area import AreaMetrics
-from wire.fields import Grid
+from deploy.scenes.area import AreaMission
+from deploy.scenes.line import LineMission
+from deploy.scenes.mission import BASE, DEAD, FLAT, FROZEN, OWN, Colour, Mission, Paint, Plot
 from wire.messages import Event, Facts
 from wire.scenario import Range, Scenario
-
-BASE, DEAD, FROZEN = "base station", "dead", "frozen"
-CONTACT_S = 30.0
-ORANGE, VIOLET = (255, 170, 60), (214, 110, 255)
-GREEN, BLUE, ICE, RED = (64, 214, 150), (80, 170, 255), (190, 235, 255), (255, 70, 70)
-
-
-class Plot(NamedTuple):
-    """One diagram over time; `series` are names and colours of its curves."""
-
-    name: str
-    title: str
-    series: tuple[tuple[str, tuple[int, int, int]], ...]
 
 
 class Line(NamedTuple):
@@ -46,16 +35,19 @@ class Change(NamedTuple):
 class Snapshot(NamedTuple):
     """A scene at one time, and what happened since the snapshot before it.
 
-    `positions_m`: (nodes, 2). `links`: rows of nodes, (links, 2), each pair once. `goals_m`: (nodes, 2), NaN
-    for none. `heat_s`: (rows, columns), row 0 at the bottom, or None. `curves`: values by name of the plot.
+    `positions_m`: (nodes, 2). `colours`: of all nodes. `links`: rows of nodes, (links, 2), each pair once.
+    `goals_m`: (nodes, 2), NaN for none. `heat_s`: (rows, columns), row 0 at the bottom, or None. `paints`: of
+    the mission's strips. `curves`: values by name of the plot.
     """
 
     time_s: float
     positions_m: np.ndarray
     states: tuple[str, ...]
+    colours: tuple[Colour, ...]
     links: np.ndarray
     goals_m: np.ndarray
     heat_s: np.ndarray | None
+    paints: tuple[Paint, ...]
     curves: dict[str, tuple[float, ...]]
     lines: tuple[Line, ...]
     changes: tuple[Change, ...]
@@ -65,89 +57,8 @@ class Snapshot(NamedTuple):
         return self._replace(lines=older.lines + self.lines, changes=older.changes + self.changes)
 
 
-class Mission(Protocol):
-    """What a mission adds to the picture of bodies and radio."""
-
-    plots: tuple[Plot, ...]
-    states: dict[str, tuple[int, int, int]]
-    bounds_m: tuple[float, float, float, float]
-    """Left, bottom, right, top of the field."""
-    hottest_s: float
-    """The value at the end of the heat map's colour scale."""
-    legend: str
-    """One sentence about what is drawn of this mission."""
-
-    def take(self, facts: Facts, links: np.ndarray) -> None:
-        """Fold one tick."""
-
-    def doing(self, row: int) -> str:
-        """What the living robot in `row` does, one of `states`."""
-
-    def heat_s(self) -> np.ndarray | None:
-        """The heat map as in Snapshot."""
-
-    def curves(self) -> dict[str, tuple[float, ...]]:
-        """Present values of all series, by plot."""
-
-
-class AreaMission:
-    """Idleness of cells, what the base station knows of it, and who is in contact with the base station."""
-
-    plots = (
-        Plot("idleness", "Idleness in s: true, by cell", (("mean", GREEN), ("worst", ORANGE))),
-        Plot("sa_delay", "SA delay in s: age of what the base knows", (("mean", BLUE), ("worst", VIOLET))),
-    )
-    states: ClassVar = {"patrol": BLUE, "contact": GREEN}
-
-    def __init__(self, scenario: Scenario) -> None:
-        self._metrics = AreaMetrics(scenario)
-        self._field, self._tick_s = scenario.field, scenario.tick_s
-        self._sites_m = np.array(scenario.field.sites_m())
-        self._row_of = {node: row for row, node in enumerate(scenario.node_ids)}
-        self._tower = self._row_of[scenario.tower.id]
-        self._instant = None
-        self._contact_tick: dict[int, int] = {}
-        self._tick = 0
-        margin_m = scenario.field.cell_m / 2
-        low, high = self._sites_m.min(axis=0) - margin_m, self._sites_m.max(axis=0) + margin_m
-        self.bounds_m = (*low.tolist(), *high.tolist())
-        travel_s = len(self._sites_m) * scenario.field.cell_m / scenario.robots.max_speed_m_s
-        self.hottest_s = 3 * travel_s / len(scenario.robot_ids)
-        self.legend = (
-            f"Heat map: time since the last visit, black 0 s, yellow {self.hottest_s:.0f} s and more. "
-            f"Robots: green when the base station heard them within the last {CONTACT_S:g} s, else blue."
-        )
-
-    def take(self, facts: Facts, links: np.ndarray) -> None:
-        """Fold one tick."""
-        self._instant = self._metrics.feed(facts)
-        self._tick = facts.tick
-        for sender in links[links[:, 1] == self._tower, 0].tolist():
-            self._contact_tick[sender] = facts.tick
-
-    def doing(self, row: int) -> str:
-        """Contact: the base station has heard the robot within the last CONTACT_S."""
-        heard = self._contact_tick.get(row)
-        recent = heard is not None and (self._tick - heard) * self._tick_s <= CONTACT_S
-        return "contact" if recent else "patrol"
-
-    def heat_s(self) -> np.ndarray | None:
-        """Idleness of every cell of a grid; None for fields of another shape."""
-        if not isinstance(self._field, Grid):
-            return None
-        idle_s = (self._tick - self._metrics.visited_tick) * self._tick_s
-        return idle_s.reshape(self._field.columns, self._field.rows).T.astype(np.float32)
-
-    def curves(self) -> dict[str, tuple[float, ...]]:
-        """The four instantaneous metrics."""
-        now = self._instant
-        return {
-            "idleness": (now.graph_idleness_s, now.worst_idleness_s),
-            "sa_delay": (now.mean_sa_delay_s, now.worst_sa_delay_s),
-        }
-
-
-MISSIONS: dict[str, type[Mission]] = {"area": AreaMission}
+MISSIONS: dict[str, type[Mission]] = {"area": AreaMission, "line": LineMission}
+RADIO = Plot("radio", "Radio: frames delivered per tick", (("delivered", (110, 200, 220)),))
 
 
 class Scene:
@@ -167,6 +78,11 @@ class Scene:
         self._delivered = self._ticks = 0
 
     @property
+    def plots(self) -> tuple[Plot, ...]:
+        """All diagrams, the mission's first."""
+        return (*self.mission.plots, RADIO)
+
+    @property
     def range_m(self) -> float | None:
         """The radio's range, if a rule limits it."""
         ranges = [rule.range_m for rule in self.scenario.radio.rules if isinstance(rule, Range)]
@@ -181,7 +97,7 @@ class Scene:
         self.mission.take(facts, self._links)
         self._delivered, self._ticks = self._delivered + len(self._links), self._ticks + 1
         for row, mode in enumerate(facts.modes):
-            state = (FROZEN, DEAD)[mode - 1] if mode else self._doing(row)
+            state = (FROZEN, DEAD, FLAT)[mode - 1] if mode else self._doing(row)
             if state != self._states[row]:
                 self._states[row] = state
                 self._changes.append(Change(self.time_s, self.nodes[row], state))
@@ -206,9 +122,11 @@ class Scene:
             self.time_s,
             np.frombuffer(facts.poses, "<f8").reshape(-1, 3)[:, :2],
             tuple(self._states),
+            tuple(map(self._colour, range(len(self.nodes)))),
             np.unique(np.sort(self._links, axis=1), axis=0),
             goals_m,
             self.mission.heat_s(),
+            self.mission.paints(),
             curves,
             tuple(self._lines),
             tuple(self._changes),
@@ -219,6 +137,9 @@ class Scene:
 
     def _doing(self, row: int) -> str:
         return BASE if row == self._tower else self.mission.doing(row)
+
+    def _colour(self, row: int) -> Colour:
+        return OWN.get(self._states[row]) or self.mission.colour(row)
 
 
 def _level(event: Event) -> str:

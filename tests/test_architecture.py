@@ -32,7 +32,8 @@ MAY_IMPORT = {
 
 ONLY_IN = {
     "zenoh": ("wire/link.py",),
-    "rerun": ("deploy/drawing.py", "deploy/picture.py"),
+    # What is drawn and how it is laid out: one file for both would be too long. Pictures need a viewer.
+    "rerun": ("deploy/drawing.py", "deploy/layout.py", "deploy/picture.py"),
     "signal": ("deploy/process.py",),
     "subprocess": ("deploy/process.py",),
     "multiprocessing": (),
@@ -71,6 +72,8 @@ PURE = (
     "tower/dispatch.py",
     "tower/line_keeper.py",
     "deploy/metrics/*.py",
+    "deploy/scene.py",
+    "deploy/scenes/*.py",
     *(
         f"world_server/{name}.py"
         for name in """

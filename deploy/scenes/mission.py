@@ -1,0 +1,91 @@
+"""What pictures of all missions are made of, and what a mission may add to bodies and radio."""
+
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from wire.messages import Facts
+
+Colour = tuple[int, int, int]
+Point = tuple[float, float]
+
+BASE, FROZEN, DEAD, FLAT = "base station", "frozen", "dead", "flat"
+WHITE, GREY = (240, 240, 245), (120, 124, 140)
+ORANGE, VIOLET, YELLOW = (255, 170, 60), (214, 110, 255), (245, 215, 70)
+GREEN, BLUE, ICE, RED = (64, 214, 150), (80, 170, 255), (190, 235, 255), (255, 70, 70)
+OWN = {BASE: WHITE, FROZEN: ICE, DEAD: RED, FLAT: VIOLET}
+"""States that every mission has, with their colours."""
+
+
+class Plot(NamedTuple):
+    """One diagram over time; `series` are names and colours of its curves, `span` its vertical range."""
+
+    name: str
+    title: str
+    series: tuple[tuple[str, Colour], ...]
+    span: tuple[float, float] | None = None
+
+
+class Strip(NamedTuple):
+    """A stretch of the field that is painted anew in every snapshot; its label stands at `label_m`."""
+
+    points_m: tuple[Point, ...]
+    label_m: Point
+
+
+class Paint(NamedTuple):
+    """How one strip looks now."""
+
+    colour: Colour
+    label: str
+
+
+class Mission:
+    """What a mission adds. Area and line are such; what a mission does not say is as here."""
+
+    plots: tuple[Plot, ...]
+    states: ClassVar[dict[str, Colour]]
+    """What a living robot may be doing."""
+    bounds_m: tuple[float, float, float, float]
+    """Left, bottom, right, top of what is to be seen."""
+    radius_m: float
+    """Of a robot as it is drawn."""
+    title: str = "Map"
+    """Of the map."""
+    legend: str
+    """A sentence or two about what is drawn of this mission."""
+    hottest_s: float = 0.0
+    """The value at the end of the heat map's colour scale."""
+    strips: tuple[Strip, ...] = ()
+    ways: tuple[tuple[Point, ...], ...] = ()
+    """Thin lines beneath everything."""
+    places: tuple[Point, ...] = ()
+    """Where robots wait."""
+    notes: tuple[tuple[Point, str], ...] = ()
+    """Words on the map."""
+    names_say_trouble: bool = False
+    """Does a name say `dead`, `flat` or `frozen`, because colours alone would not?"""
+
+    def take(self, facts: Facts, links: np.ndarray) -> None:
+        """Fold one tick."""
+        raise NotImplementedError
+
+    def doing(self, row: int) -> str:
+        """What the living robot in `row` does, one of `states`."""
+        raise NotImplementedError
+
+    def curves(self) -> dict[str, tuple[float, ...]]:
+        """Present values of all series, by plot."""
+        raise NotImplementedError
+
+    def colour(self, row: int) -> Colour:
+        """The colour of the living robot in `row`."""
+        return self.states[self.doing(row)]
+
+    def heat_s(self) -> np.ndarray | None:
+        """The heat map: (rows, columns), row 0 at the bottom."""
+        return None
+
+    def paints(self) -> tuple[Paint, ...]:
+        """How each of `strips` looks."""
+        return ()
