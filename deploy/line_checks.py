@@ -13,6 +13,7 @@ from wire.line import Line
 from wire.scenario import BatterySection, Fan, InQueue, Scenario
 
 SHARPEST_TURN_DEG = 120.0
+FARTHEST_M = 1e6
 ON_THE_LINE = 1e-6  # of its length
 ROUNDING_M = 1e-9
 RESERVE = 1.5  # of the charge for a last lap and the way home
@@ -57,15 +58,22 @@ def _check_points(field: Polyline) -> None:
     points = field.points_m
     if len(points) < 2:
         raise Mistake(f"field.points_m must have at least 2 points, got {len(points)}")
+    for number, point in enumerate(points):
+        if max(map(abs, point)) > FARTHEST_M:
+            raise Mistake(f"field.points_m[{number}] must be within {FARTHEST_M:g} m, got {_at(point)}")
     legs = list(pairwise(points))
     for number, (one, other) in enumerate(legs):
         if one == other:
-            raise Mistake(f"field.points_m[{number + 1}] must differ from the point before it, got {_at(one)}")
+            raise Mistake(
+                f"field.points_m[{number + 1}] must differ from the point before it, got {_at(one)}"
+            )
     for number, ((start, bend), (_, end)) in enumerate(pairwise(legs), start=1):
         turn_deg = abs(math.degrees(_turn_rad(start, bend, end)))
         if turn_deg > SHARPEST_TURN_DEG + 1e-6:
             most = f"{SHARPEST_TURN_DEG:.0f} degrees"
-            raise Mistake(f"field.points_m[{number}]: the line must turn by at most {most}, got {turn_deg:.1f}")
+            raise Mistake(
+                f"field.points_m[{number}]: the line must turn by at most {most}, got {turn_deg:.1f}"
+            )
     _check_lane(field)
 
 
@@ -115,10 +123,11 @@ def _check_approach(field: Polyline, line: Line) -> None:
 
 
 def _check_tower(scenario: Scenario, line: Line) -> None:
-    away_m = abs(line.tower_aside_m)
+    tower_m = (scenario.tower.x_m, scenario.tower.y_m)
+    away_m = math.dist(tower_m, line.point(line.tower_arc_m))
     if away_m > ON_THE_LINE * line.length_m:
-        place = _at((scenario.tower.x_m, scenario.tower.y_m))
-        raise Mistake(f"tower.x_m and tower.y_m must be a place on the line, got {place}, {away_m:.4g} m off it")
+        got = f"{_at(tower_m)}, {away_m:.4g} m off it"
+        raise Mistake(f"tower.x_m and tower.y_m must be a place on the line, got {got}")
 
 
 def _check_robots(scenario: Scenario, line: Line) -> None:
@@ -136,7 +145,9 @@ def _check_robots(scenario: Scenario, line: Line) -> None:
         raise Mistake(f"robots.body_m must be 0 or > {least}, got {robots.body_m}")
     for number, fault in enumerate(scenario.faults):
         if fault.place == "queue" and fault.verb != "restart":
-            raise Mistake(f"faults[{number}].place must be here for {fault.verb}, got queue; only a restart moves")
+            raise Mistake(
+                f"faults[{number}].place must be here for {fault.verb}, got queue; only a restart moves"
+            )
 
 
 def _check_battery(scenario: Scenario, battery: BatterySection, line: Line) -> None:
@@ -177,7 +188,9 @@ def _check_silence(scenario: Scenario, line: Line) -> None:
     least_s = SLACK * laps * _lap_s(scenario, line)
     if silence_s < least_s:
         why = f"robots report every {laps:g} laps of up to {_lap_s(scenario, line):.4g} s"
-        raise Mistake(f"tower.parameters.silence_s must be >= {math.ceil(least_s)}, as {why}, got {silence_s}")
+        raise Mistake(
+            f"tower.parameters.silence_s must be >= {math.ceil(least_s)}, as {why}, got {silence_s}"
+        )
 
 
 def _lap_s(scenario: Scenario, line: Line) -> float:
@@ -207,10 +220,7 @@ def _turn_rad(start: tuple[float, float], bend: tuple[float, float], end: tuple[
     """By how much the way turns at a point, to the left if positive."""
     before_x, before_y = bend[0] - start[0], bend[1] - start[1]
     after_x, after_y = end[0] - bend[0], end[1] - bend[1]
-    return math.atan2(
-        before_x * after_y - before_y * after_x,
-        before_x * after_x + before_y * after_y,
-    )
+    return math.atan2(before_x * after_y - before_y * after_x, before_x * after_x + before_y * after_y)
 
 
 def _up(volts: float) -> float:

@@ -1,4 +1,4 @@
-"""Metrics: pure folds over the facts of a run, one for each mission: `feed` them facts, ask for a `summary`."""
+"""Metrics: pure folds over the facts of a run, one for each mission: `feed` it facts, ask its `summary`."""
 
 from deploy.metrics.area import AreaMetrics
 from deploy.metrics.line import LineMetrics

@@ -1,7 +1,7 @@
 """Laps, idling, recalls, deployment and recovery of a line patrol, folded from facts.
 
-Source: papers/line-patrol.txt, sections III-B, IV-B and V-A (Tables I and II). Visits, deaths, flat batteries and
-incidents are true; what robots do (queue, out, patrol, home) is what they report of themselves.
+Source: papers/line-patrol.txt, sections III-B, IV-B and V-A (Tables I and II). Visits, deaths, flat
+batteries and incidents are true; what robots do (queue, out, patrol, home) is what they report of themselves.
 
     lap time     from one count of laps to the next on one segment; the first from the report of "patrol"
     idle share   robot time in state "queue" / robot time, both of robots neither dead nor flat
@@ -11,8 +11,8 @@ incidents are true; what robots do (queue, out, patrol, home) is what they repor
 
 Standard deviations are the population's. Idle times, gaps, intervals and frequencies count from the end of
 deployment on (`visits` has their formulas), all else from the beginning. A frozen robot is alive and stays
-in the state that it last reported; one that has reported nothing since its start is in none. What holds at the
-end of a tick holds until the next tick begins. None is what was never measured.
+in the state that it last reported; one that has reported nothing since its start is in none. What holds at
+the end of a tick holds until the next one. None is what was never measured.
 """
 
 from collections import Counter
@@ -139,7 +139,9 @@ class LineMetrics:
             robot = self._robots.get(node)
             try:
                 report = codec.decode(Report, said)
-            except codec.Malformed:  # a robot with other words for observers: nothing is known of what it does
+            except (
+                codec.Malformed
+            ):  # a robot with other words for observers: nothing is known of what it does
                 continue
             if robot is None:
                 continue

@@ -3,10 +3,10 @@
 Source: papers/line-patrol.txt, section III-B: after a robot leaves, a segment is back at its visit frequency
 when another has traversed it whole, T to 3 T later; T is the time for one segment, one way.
 
-A vacancy begins when a segment's last patrolling robot leaves it, dies or goes flat. It is covered at the first
-tick at which one robot has visited one end, the middle and the other end, in this order, all after the
-vacancy began; its lap is complete when the same robot has then come back over the middle. While a vacancy is not
-covered no other begins on its segment.
+A vacancy begins when a segment's last patrolling robot leaves it, dies or goes flat. It is covered at the
+first tick at which one robot has visited one end, the middle and the other end, in this order, all after the
+vacancy began; its lap is complete when one robot has done so twice. While a vacancy is not covered no other
+begins on its segment.
 """
 
 from typing import Literal

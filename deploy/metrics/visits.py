@@ -5,7 +5,7 @@ average frequency, maximal minimum frequency; intervals between visits as in its
 
     interval     time between two consecutive visits of a site; two in one tick give an interval of 0
     frequency    visits of a site / time from the end of deployment to the last tick
-    longest gap  largest time without a visit: the intervals, and what lies before the first and after the last
+    longest gap  longest time without a visit, also before the first one and after the last one
 
 The variance is the population's, over all sites. Visits before the end of deployment do not count.
 """
