@@ -18,8 +18,8 @@ ON_THE_LINE = 1e-6  # of its length
 ROUNDING_M = 1e-9
 RESERVE = 1.5  # of the charge for a last lap and the way home
 SLACK = 1.1  # of the time for the laps between two reports
-HOME_V, REPORT_LAPS = 8.5, 10  # as in line_patrol
-LOW_V, MARGIN_V, SILENCE_S = 8.5, 0.1, 300.0  # as in line_keeper
+HOME_V, SWAP_BELOW_V, REPORT_LAPS = 8.5, 8.7, 10  # as in line_patrol
+LOW_V, MARGIN_V, READY_V, SILENCE_S = 8.5, 0.1, 8.7, 300.0  # as in line_keeper
 
 
 def check_mission(scenario: Scenario) -> None:
@@ -156,7 +156,12 @@ def _check_battery(scenario: Scenario, battery: BatterySection, line: Line) -> N
         raise Mistake(f"battery.empty_v must be < full_v ({full_v}), got {empty_v}")
     low_v, margin_v = _of_tower(scenario, "low_v", LOW_V), _of_tower(scenario, "margin_v", MARGIN_V)
     home_v = _of_robots(scenario, "home_v", HOME_V)
-    thresholds = {"tower.parameters.low_v": low_v, "robots.parameters.home_v": home_v}
+    thresholds = {
+        "tower.parameters.low_v": low_v,
+        "tower.parameters.ready_v": _of_tower(scenario, "ready_v", READY_V),
+        "robots.parameters.home_v": home_v,
+        "robots.parameters.swap_below_v": _of_robots(scenario, "swap_below_v", SWAP_BELOW_V),
+    }
     for name, volts in thresholds.items():
         if volts is not None and not empty_v <= volts <= full_v:
             within = f"battery.empty_v ({empty_v}) and full_v ({full_v})"

@@ -1,4 +1,4 @@
-"""Hand-made facts of a line patrol, for tests of its metrics: two segments, robots r2, r3 and r4, a tower r1."""
+"""Hand-made facts of a line patrol: two segments, robots r2, r3 and r4, and a tower r1."""
 
 import msgspec
 

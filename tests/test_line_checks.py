@@ -82,7 +82,7 @@ def complaint(document: dict[str, Any], **changes: Any) -> str:
         {"robots__parameters__home_v": 8.1, "tower__parameters__low_v": 8.9},
         {"robots__parameters__home_v": "high", "tower__parameters__silence_s": True},
         {"robots__behaviour": "stand_still", "robots__parameters__home_v": 99},
-        {"field__points_m": [[-6, -8], [0, 0], [10, 0], [5, 8.6603]]},
+        {"field__points_m": [[-6, -8], [0, 0], [10, 0], [5, 8.6603]], "tower__parameters__silence_s": 400},
     ],
 )
 def test_what_fits_is_accepted(changes):
@@ -159,6 +159,10 @@ MISTAKES = [
         "tower.parameters.low_v must be between battery.empty_v (3.0) and full_v (4.2), got 8.5",
     ),
     (
+        {"tower__parameters__ready_v": 9.5},
+        "tower.parameters.ready_v must be between battery.empty_v (8.0) and full_v (9.0), got 9.5",
+    ),
+    (
         {"tower__parameters__margin_v": 0.6},
         "tower.parameters.margin_v must be <= battery.full_v - low_v (0.5), got 0.6",
     ),
@@ -173,7 +177,8 @@ MISTAKES = [
     ),
     (
         {"robots__parameters__report_laps": 30},
-        "tower.parameters.silence_s must be >= 687, as robots report every 30 laps of up to 20.8 s, got 300.0",
+        "tower.parameters.silence_s must be >= 687, as robots report every 30 laps of up to 20.8 s, "
+        "got 300.0",
     ),
 ]
 

@@ -33,7 +33,7 @@ def test_turning_at_the_middle_or_two_halves_of_two_robots_are_no_traverse():
     fold = fed(
         DEPLOYED,
         (20, {"r2": ("home", 0, 0)}),
-        (25, {}, visits(("r4", 1, LEFT))),
+        (25, patrol(r4=1, r3=1), visits(("r4", 1, LEFT))),
         (26, {}, visits(("r4", 1, MID))),
         (27, {}, visits(("r4", 1, LEFT))),
         (30, {}, visits(("r4", 1, MID), ("r3", 1, RIGHT))),
@@ -86,3 +86,26 @@ def test_while_a_vacancy_is_open_no_other_begins_and_afterwards_one_does():
     )
     assert [(one.began_tick, one.covered_tick) for one in fold.vacancies] == [(20, 60), (70, None)]
     assert fold.summary()["recovery_s"]["count"] == 1
+
+
+@pytest.mark.parametrize(
+    "says", [("home", 1, 0), ("home", 0, 0), ("out", 2, 0), ("patrol", 2, 1), ("queue", 1, 0)]
+)
+def test_who_only_passes_covers_nothing(says):
+    """Source: none; a robot on the passing lane, on its way to elsewhere, is gone the next moment."""
+    passing = [(30 + 5 * place, {}, visits(("r3", 1, place))) for place in (RIGHT, MID, LEFT)]
+    fold = fed(DEPLOYED, (20, {"r2": ("home", 0, 0)}), (25, {"r3": says}), *passing)
+    assert fold.vacancies[0].covered_tick is None
+
+
+def test_who_is_still_on_the_way_to_the_segment_begins_to_cover_it_as_it_arrives():
+    """Source: none; the word that it patrols may come after the visit of the end at which it arrived."""
+    fold = fed(
+        DEPLOYED,
+        (20, {"r2": ("home", 0, 0)}),
+        (30, {"r4": ("out", 1, 0)}, visits(("r4", 1, RIGHT))),
+        (31, patrol(r4=1)),
+        (35, {}, visits(("r4", 1, MID))),
+        (40, {}, visits(("r4", 1, LEFT))),
+    )
+    assert (fold.vacancies[0].covered_tick, fold.vacancies[0].filled_by) == (40, "r4")

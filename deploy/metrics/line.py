@@ -19,7 +19,7 @@ from collections import Counter
 from typing import Any
 
 from deploy.metrics.spread import Spread, span
-from deploy.metrics.vacancies import Cause, Vacancies, Vacancy
+from deploy.metrics.vacancies import Cause, Vacancies, Vacancy, segment_of
 from deploy.metrics.visits import Visits
 from swarm_agent.line_radio import Report, State
 from wire import codec
@@ -65,7 +65,8 @@ class LineMetrics:
             self._visits.begin(facts.tick)
         for node, site in facts.visits:
             self._visits.add(facts.tick, site)
-            self._vacancies.visit(facts.tick, node, site)
+            if node in self._robots and self._robots[node].works_on(segment_of(site)):
+                self._vacancies.visit(facts.tick, node, site)
         self._incidents += len(facts.incidents)
         states = Counter(robot.state for robot in self._robots.values())
         self._away_most = max(self._away_most, states["home"])
@@ -173,6 +174,10 @@ class _Robot:
         if self.ended_by is None:
             self.working_ticks += ticks
             self.idle_ticks += ticks * (self.state == "queue")
+
+    def works_on(self, segment: int) -> bool:
+        """Does it patrol this segment, or come to do so?"""
+        return self.state in ("out", "patrol") and self.segment == segment
 
     def stop(self, cause: Cause) -> None:
         """It is dead or flat, and does nothing any more."""

@@ -6,7 +6,8 @@ when another has traversed it whole, T to 3 T later; T is the time for one segme
 A vacancy begins when a segment's last patrolling robot leaves it, dies or goes flat. It is covered at the
 first tick at which one robot has visited one end, the middle and the other end, in this order, all after the
 vacancy began; its lap is complete when one robot has done so twice. While a vacancy is not covered no other
-begins on its segment.
+begins on its segment. Who merely passes on the way to somewhere else covers nothing: only visits of robots
+that say they patrol the segment, or are on their way to it, are taken in.
 """
 
 from typing import Literal
@@ -55,7 +56,7 @@ class Vacancies:
 
     def visit(self, tick: int, robot: str, site: int) -> None:
         """Take in a true visit."""
-        segment = site // 3 + 1
+        segment = segment_of(site)
         if not self._open.get(segment):
             return
         for one in self._open[segment]:
@@ -69,6 +70,11 @@ class Vacancies:
     def recovery_full_lap_ticks(self) -> list[int]:
         """From the beginning of each vacancy to the end of the first complete lap, there and back."""
         return [one.lap_tick - one.began_tick for one in self.all if one.lap_tick is not None]
+
+
+def segment_of(site: int) -> int:
+    """The number of the segment that a site belongs to."""
+    return site // 3 + 1
 
 
 class _Course:
