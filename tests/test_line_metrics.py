@@ -25,7 +25,7 @@ NO_SPAN = {"min": None, "median": None, "max": None, "count": 0}
 
 
 def to_and_fro(traverse: int, laps: int) -> LineMetrics:
-    """r2 and r3 patrol their segments from tick 0 on, in `traverse` ticks one way; turns count as two visits."""
+    """r2 and r3 patrol their segments in `traverse` ticks one way; turns count as two visits."""
     happened, said = defaultdict(list), defaultdict(dict)
     for node, segment in (("r2", 1), ("r3", 2)):
         happened[0].append((node, segment, LEFT))
@@ -258,3 +258,11 @@ def test_the_progress_line_counts_flat_robots_as_gone():
     progress = ProgressLine(Console(), plan(), 1000)
     told = msgspec.structs.replace(facts(10), modes=bytes((2, 0, 3, 2)))
     assert progress._words(told, progress._began + 1.0).endswith("1 robots alive")
+
+
+def test_asking_for_the_summary_changes_nothing():
+    """Source: none."""
+    fold = fed(DEPLOYED, (100, {}))
+    assert fold.summary() == fold.summary()
+    fed((200, queue("r3")), fold=fold)
+    assert fold.summary() == fed(DEPLOYED, (100, {}), (200, queue("r3"))).summary()

@@ -41,7 +41,8 @@ class LineMetrics:
         self._robots = {node: _Robot() for node in scenario.robot_ids}
         self._visits, self._vacancies = Visits(self._segments), Vacancies()
         self._laps, self._returns = Spread(), Spread()
-        self._tick = 0
+        self._tick = self._settled_tick = 0
+        self._modes = b""
         self._away_most, self._recalls, self._flat, self._incidents = 0, 0, 0, 0
         self.deployed_tick: int | None = None
 
@@ -52,27 +53,18 @@ class LineMetrics:
 
     def feed(self, facts: Facts) -> None:
         """Take in one tick. In ticks between this and the last one nothing happened."""
-        self._pass_time(facts.tick)
-        before = self._patrolled()
-        died, left = self._kill(facts), self._listen(facts)
-        causes = self._befall(facts) | left | died
-        after = self._patrolled()
-        for segment in sorted(before.keys() - after.keys()):
-            causing = [causes[node] for node in before[segment] if node in causes]
-            self._vacancies.begin(segment, causing[-1], facts.tick)
-        if self.deployed_tick is None and len(after) == self._segments:
-            self.deployed_tick = facts.tick
-            self._visits.begin(facts.tick)
+        self._tick = facts.tick
+        if facts.reports or facts.faults or facts.modes != self._modes:
+            self._change(facts)
         for node, site in facts.visits:
             self._visits.add(facts.tick, site)
             if node in self._robots and self._robots[node].works_on(segment_of(site)):
                 self._vacancies.visit(facts.tick, node, site)
         self._incidents += len(facts.incidents)
-        states = Counter(robot.state for robot in self._robots.values())
-        self._away_most = max(self._away_most, states["home"])
 
     def summary(self) -> dict[str, Any]:
         """The run's metrics; None where there was nothing to measure."""
+        self._pass_time()
         tick_s, tick = self._tick_s, self._tick
         gaps_s = self._visits.longest_gaps_s(tick, tick_s)
         return {
@@ -97,12 +89,28 @@ class LineMetrics:
             "robots": {node: one.summary(tick_s) for node, one in self._robots.items()},
         }
 
-    def _pass_time(self, tick: int) -> None:
-        passed, self._tick = tick - self._tick, tick
-        if self.deployed_tick is None:
-            return
+    def _change(self, facts: Facts) -> None:
+        """Take in what robots say and what befalls them."""
+        self._pass_time()
+        self._modes = facts.modes
+        before = self._patrolled()
+        died, left = self._kill(facts), self._listen(facts)
+        causes = self._befall(facts) | left | died
+        after = self._patrolled()
+        for segment in sorted(before.keys() - after.keys()):
+            causing = [causes[node] for node in before[segment] if node in causes]
+            self._vacancies.begin(segment, causing[-1], facts.tick)
+        if self.deployed_tick is None and len(after) == self._segments:
+            self.deployed_tick = facts.tick
+            self._visits.begin(facts.tick)
+        states = Counter(robot.state for robot in self._robots.values())
+        self._away_most = max(self._away_most, states["home"])
+
+    def _pass_time(self) -> None:
+        """Let time go by until now, in which nobody changed."""
+        passed, self._settled_tick = self._tick - self._settled_tick, self._tick
         for robot in self._robots.values():
-            robot.pass_time(passed)
+            robot.pass_time(passed if self.deployed_tick is not None else 0)
 
     def _patrolled(self) -> dict[int, list[str]]:
         """Every segment that is being patrolled, and by whom."""
