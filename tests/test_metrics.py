@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from deploy.metrics.area import NAMES, AreaMetrics
+from deploy.recorder import summarise
+from deploy.scenario_file import load_scenario
 from swarm_agent.knowledge import News
 from tests.builders import course, facts, scenario, table
 from tests.live_runs import rehearsed, small
@@ -173,8 +175,10 @@ def test_a_robot_that_dies_at_its_goal_and_remembers_reports_no_visit_that_did_n
 
 def test_the_summary_says_how_often_robots_were_asked(tmp_path):
     """Source: none; the tower, which is asked too, is no robot."""
-    run = rehearsed(tmp_path, small(tmp_path, duration_s=30))
-    metrics = json.loads((run / "summary.json").read_text())["metrics"]
+    path = small(tmp_path, duration_s=30)
+    run = rehearsed(tmp_path, path)
+    metrics = summarise(run, load_scenario(path), "small", 1.0, [])["metrics"]
+    assert json.loads((run / "summary.json").read_text())["metrics"] == metrics
     asked = [grant.node for one in commits(run / "journal") for grant in one.grants]
     assert metrics["grants"] == len(asked) - asked.count("r1") > 0
     assert metrics["robot_ticks"] == 31 * 4
