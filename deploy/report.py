@@ -103,8 +103,8 @@ def _line_rows(table: Table, metrics: dict[str, Any]) -> None:
         ("recalls", str(metrics["recalls"]), f"at most {metrics['away_most']} on their way home at once"),
         ("robots gone flat", str(metrics["flat_robots"]), ""),
         ("incidents", str(metrics["incidents"]), "closer than bodies may come"),
-        ("visit frequency", " / ".join(uniformity), "visits in 1000 s, mean / min over the sites"),
-        ("its variance", _scaled(frequency["variance"], 1e6, 2), "(visits in 1000 s)²"),
+        ("visit frequency", " / ".join(uniformity), "per 1000 s, mean / min of all sites"),
+        ("its variance", _scaled(frequency["variance"], 1e6, 2), "(per 1000 s)²"),
         ("asked", _scaled(asked, 100, 1), "% of robot-ticks"),
     ):
         table.add_row(*row)
