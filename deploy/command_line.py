@@ -97,6 +97,8 @@ def _add_request(commands: argparse._SubParsersAction, verb: str, words: str) ->
         command.add_argument("node", metavar="NODE")
     if verb == "restart":
         command.add_argument("--memory", choices=("lost", "kept"), default="lost")
+        words = "where its body lay, or in the tower's queue with a full battery (default: here)"
+        command.add_argument("--place", choices=("here", "queue"), default="here", help=words)
     if verb == "step":
         ticks = _number(int, "a whole number >= 1", lambda value: 1 <= value < 2**53)
         command.add_argument("value", type=ticks, metavar="TICKS")
@@ -123,7 +125,8 @@ def _number(kind: type[Number], words: str, right: Callable[[Number], bool]) -> 
 
 def _request(verb: str, given: argparse.Namespace) -> int:
     node, memory = getattr(given, "node", ""), getattr(given, "memory", "lost")
-    reply = request(given.run, Request(verb, node, memory, getattr(given, "value", 0.0)))
+    value, place = getattr(given, "value", 0.0), getattr(given, "place", "here")
+    reply = request(given.run, Request(verb, node, memory, value, place))
     if not reply.accepted:
         raise RunError(reply.text)
     print(reply.text)

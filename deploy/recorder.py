@@ -1,10 +1,14 @@
-"""The recorder: folds a run's journal into `summary.json`. The journal is complete, so the summary is too."""
+"""The recorder: folds a run's journal into `summary.json`. The journal is complete, so the summary is too.
+
+To the metrics of its mission it adds `grants`, how often robots were asked, and `robot_ticks`, how often they
+would have been if every robot were asked at every tick.
+"""
 
 import json
 from pathlib import Path
 from typing import Any
 
-from deploy.metrics.area import AreaMetrics
+from deploy.metrics import MISSIONS
 from wire.messages import Facts
 from wire.scenario import Scenario
 from world_server.journal import read
@@ -17,16 +21,18 @@ def summarise(
     folder: Path, scenario: Scenario, name: str, wall_s: float, processes: list[dict]
 ) -> dict[str, Any]:
     """Fold the journal and the event log of a run, write `summary.json`, and return it."""
-    metrics, radio, ticks = AreaMetrics(scenario), [0] * len(RADIO), -1
-    faults, end = [], None
+    metrics, radio, ticks = MISSIONS[scenario.mission](scenario), [0] * len(RADIO), -1
+    faults, end, grants = [], None, 0
     for record in read(folder / "journal"):
         if isinstance(record, Commit):
             metrics.feed(record.facts)
             ticks, faults = record.tick, faults + _happened(record.facts)
+            grants += sum(grant.node != scenario.tower.id for grant in record.grants)
             radio = [total + one for total, one in zip(radio, record.facts.radio, strict=True)]
         else:
             end = record
     faults += [_refused(event) for event in events(folder) if _is_refused(event)]
+    asked = {"grants": grants, "robot_ticks": (ticks + 1) * len(scenario.robot_ids)}
     completed = bool(getattr(end, "completed", False))
     summary = {
         "run": folder.name,
@@ -41,7 +47,7 @@ def summarise(
         "processes": processes,
         "faults": sorted(faults, key=lambda fault: fault["tick"]),
         "radio": dict(zip(RADIO, radio, strict=True)),
-        "metrics": metrics.summary(),
+        "metrics": metrics.summary() | asked,
     }
     (folder / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", "utf-8")
     return summary

@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from deploy.metrics.line import FLAT
 from wire.messages import Facts
 from wire.scenario import Scenario
 from world_server.nodes import DEAD
@@ -56,23 +57,60 @@ class ProgressLine:
 
     def _words(self, facts: Facts, now: float) -> str:
         tick_s = self._scenario.tick_s
-        dead = sum(mode == DEAD for mode in facts.modes)
+        gone = sum(mode in (DEAD, FLAT) for mode in self._robot_modes(facts))
         speed = facts.tick * tick_s / (now - self._began)
         of = self._last_tick * tick_s
-        alive = self._robots - dead
+        alive = self._robots - gone
         return f"{facts.tick * tick_s:.0f} of {of:.0f} s, {speed:.0f} x real time, {alive} robots alive"
+
+    def _robot_modes(self, facts: Facts) -> list[int]:
+        tower = self._scenario.tower.id
+        return [
+            mode for node, mode in zip(self._scenario.node_ids, facts.modes, strict=False) if node != tower
+        ]
 
 
 def metrics_table(summary: dict[str, Any]) -> Table:
-    """The result of a run as a table."""
+    """The result of a run as a table, as its mission measures it."""
     title = f"{summary['scenario']}, seed {summary['seed']}, {summary['sim_s']:.0f} s"
     table = Table(title=title, title_justify="left")
+    TABLES[summary["mission"]](table, summary["metrics"])
+    return table
+
+
+def _area_rows(table: Table, metrics: dict[str, Any]) -> None:
     for heading, justify in (("metric", "left"), ("seconds", "right"), ("x (N - 1) / K", "right")):
         table.add_column(heading, justify=justify)
     for name, label in LABELS.items():
-        metrics = summary["metrics"]
         table.add_row(label, _number(metrics[name], 1), _number(metrics[f"normalised_{name}"], 2))
-    return table
+
+
+def _line_rows(table: Table, metrics: dict[str, Any]) -> None:
+    for heading, justify in (("metric", "left"), ("value", "right"), ("unit", "left")):
+        table.add_column(heading, justify=justify)
+    recovery, frequency = metrics["recovery_s"], metrics["visit_frequency_hz"]
+    covered = f"s, min / median / max of {recovery['count']}"
+    asked = metrics["grants"] / metrics["robot_ticks"] if metrics["robot_ticks"] else None
+    lap = [_number(metrics[name], 2) for name in ("lap_time_mean_s", "lap_time_sd_s")]
+    uniformity = [_scaled(frequency[name], 1e3, 2) for name in ("mean", "min")]
+    for row in (
+        ("lap time", " ± ".join(lap), "s, mean ± sd"),
+        ("idle in the queue", _scaled(metrics["idle_share"], 100, 1), "% of robot time"),
+        ("return time", _number(metrics["return_time_mean_s"], 1), "s, mean"),
+        ("deployment", _number(metrics["deployment_s"], 0), "s"),
+        ("longest gap", _number(metrics["longest_gap_s"], 0), "s"),
+        ("recovery", " / ".join(_number(recovery[name], 0) for name in ("min", "median", "max")), covered),
+        ("recalls", str(metrics["recalls"]), f"at most {metrics['away_most']} on their way home at once"),
+        ("robots gone flat", str(metrics["flat_robots"]), ""),
+        ("incidents", str(metrics["incidents"]), "closer than bodies may come"),
+        ("visit frequency", " / ".join(uniformity), "per 1000 s, mean / min of all sites"),
+        ("its variance", _scaled(frequency["variance"], 1e6, 2), "(per 1000 s)²"),
+        ("asked", _scaled(asked, 100, 1), "% of robot-ticks"),
+    ):
+        table.add_row(*row)
+
+
+TABLES = {"area": _area_rows, "line": _line_rows}
 
 
 def print_result(
@@ -106,3 +144,7 @@ def console_for(json_only: bool) -> Console:
 
 def _number(value: float | None, digits: int) -> str:
     return "-" if value is None else f"{value:.{digits}f}"
+
+
+def _scaled(value: float | None, factor: float, digits: int) -> str:
+    return _number(None if value is None else value * factor, digits)

@@ -69,7 +69,13 @@ def _overrides(given: argparse.Namespace) -> dict[str, Any]:
     tick_s = load_scenario(folder / "scenario.toml").tick_s
     faults = [fault for commit in commits(folder / "journal") for fault in commit.facts.faults]
     plan = [
-        {"at_s": one.tick * tick_s, "verb": one.verb, "nodes": [one.node], "memory": one.memory}
+        {
+            "at_s": one.tick * tick_s,
+            "verb": one.verb,
+            "nodes": [one.node],
+            "memory": one.memory,
+            "place": one.place,
+        }
         for one in faults
     ]
     return {"faults": plan}

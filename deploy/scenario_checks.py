@@ -1,6 +1,9 @@
 """What the types of a scenario cannot say: that its parts fit together."""
 
+from deploy.line_checks import check_line, check_mission
+from deploy.mistake import Mistake
 from wire.channels import number_of
+from wire.fields import Grid
 from wire.messages import BEFALLS
 from wire.scenario import Latency, Partition, Poses, Scenario
 
@@ -10,14 +13,13 @@ MAX_SITES = 2**16  # and their sites as uint16
 AFTER = {"kill": "dead", "restart": "alive", "freeze": "frozen", "thaw": "alive"}
 
 
-class Mistake(Exception):
-    """Field, value, and what would be right."""
-
-
 def check(scenario: Scenario) -> None:
     """Raises Mistake for the first part that does not fit."""
+    check_mission(scenario)
     _check_names(scenario)
     _check_sizes(scenario)
+    if scenario.mission == "line":
+        check_line(scenario)
     _check_radio(scenario)
     _check_faults(scenario)
 
@@ -44,9 +46,10 @@ def _check_sizes(scenario: Scenario) -> None:
         raise Mistake(f"duration_s must be <= {MAX_TICKS} ticks of {scenario.tick_s} s, got {duration_s}")
     if scenario.metrics_from_s > duration_s:
         raise Mistake(f"metrics_from_s must be <= duration_s ({duration_s}), got {scenario.metrics_from_s}")
-    sites = scenario.field.columns * scenario.field.rows
-    if sites > MAX_SITES:
-        raise Mistake(f"field must have at most {MAX_SITES} sites, got {sites}")
+    if isinstance(scenario.field, Grid):
+        sites = scenario.field.columns * scenario.field.rows
+        if sites > MAX_SITES:
+            raise Mistake(f"field must have at most {MAX_SITES} sites, got {sites}")
     robots = len(scenario.robot_ids)
     if isinstance(start, Poses) and len(start.poses) != robots:
         got = len(start.poses)

@@ -11,7 +11,8 @@ from typing import Any, get_args
 import msgspec
 import tomli_w
 
-from deploy.scenario_checks import Mistake, check
+from deploy.mistake import Mistake
+from deploy.scenario_checks import check
 from swarm_agent.behaviour import BehaviourError, find_behaviour, settled_parameters
 from wire.scenario import Scenario
 

@@ -93,6 +93,7 @@ MISTAKES = {
     "kill sound r2": "sound: is not running",
     "kill sound": "the following arguments are required: NODE",
     "restart sound r2 --memory some": "--memory: invalid choice: 'some'",
+    "restart sound r2 --place there": "--place: invalid choice: 'there'",
     "step sound 0": "TICKS: must be a whole number >= 1, got '0'",
     "step sound nan": "TICKS: must be a whole number >= 1, got 'nan'",
     "speed sound -1": "X: must be a number >= 0, got '-1'",

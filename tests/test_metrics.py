@@ -1,17 +1,22 @@
 """Area metrics against numbers worked out by hand. Source: Kobayashi et al. 2025, equations 1-9."""
 
+import json
 import math
 
 import numpy as np
 import pytest
 
 from deploy.metrics.area import NAMES, AreaMetrics
+from deploy.recorder import summarise
+from deploy.scenario_file import load_scenario
 from swarm_agent.knowledge import News
 from tests.builders import course, facts, scenario, table
+from tests.live_runs import rehearsed, small
 from tower.base_station import Awareness
 from wire import codec
 from wire.fields import Grid
 from wire.scenario import Loss, PlannedFault, RadioSection, Range
+from world_server.journal import commits
 
 
 def metrics(**fields) -> AreaMetrics:
@@ -166,3 +171,15 @@ def test_a_robot_that_dies_at_its_goal_and_remembers_reports_no_visit_that_did_n
         for one in course(plan, tmp_path / str(died_at)).facts:
             fold.feed(one)
             assert (fold.known_tick <= fold.visited_tick).all(), f"died at {died_at}, tick {one.tick}"
+
+
+def test_the_summary_says_how_often_robots_were_asked(tmp_path):
+    """Source: none; the tower, which is asked too, is no robot."""
+    path = small(tmp_path, duration_s=30)
+    run = rehearsed(tmp_path, path)
+    metrics = summarise(run, load_scenario(path), "small", 1.0, [])["metrics"]
+    assert json.loads((run / "summary.json").read_text())["metrics"] == metrics
+    asked = [grant.node for one in commits(run / "journal") for grant in one.grants]
+    assert metrics["grants"] == len(asked) - asked.count("r1") > 0
+    assert metrics["robot_ticks"] == 31 * 4
+    assert set(NAMES) < set(metrics)
