@@ -4,6 +4,7 @@ Source: papers/line-patrol.txt, section III, Algorithms 2 and 3: the tower is th
 numbered orders that are repeated, losses, the ledger and the start after a kill are ours.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Annotated, Literal
 
@@ -134,7 +135,8 @@ class LineKeeper(Behaviour):
         """Is it a robot's word of itself that can be true?"""
         if not isinstance(word.message, Report) or word.said_tick > tick:
             return False
-        return _is_node(word.origin) and word.message.segment <= len(self.line.segments)
+        known_segment = word.message.segment <= len(self.line.segments)
+        return known_segment and math.isfinite(word.message.battery_v) and _is_node(word.origin)
 
     def _hear_report(self, tick: int, word: Word) -> bool:
         """Take a report to heart. Is there anything new in it?"""
