@@ -63,7 +63,12 @@ class Watch:
             self.keeper.remember(self.entries)
 
     def step(self, tick: int, *heard: Heard) -> Move:
-        """One grant, whose entries are kept as a ledger keeps them."""
+        """One grant, after all for which the tower asked to be woken before it."""
+        self.until(tick - 1)
+        return self.grant(tick, *heard)
+
+    def grant(self, tick: int, *heard: Heard) -> Move:
+        """One grant and no other, whose entries are kept as a ledger keeps them."""
         self.move = self.keeper.step(percept(tick), heard)
         for one in self.move.record:
             assert one.tick == 0, "the ledger fills in the tick"
@@ -76,7 +81,7 @@ class Watch:
     def until(self, tick: int) -> None:
         """Step whenever the tower asked to be woken, up to and with `tick`."""
         while self.move.wake_tick is not None and self.move.wake_tick <= tick:
-            self.step(self.move.wake_tick)
+            self.grant(self.move.wake_tick)
 
     def said(self, kind: type = Order) -> list[Any]:
         """Messages of a kind in the last move."""
