@@ -1,4 +1,4 @@
-"""Algorithm 2, the tower's lines: what is covered, and who is sent where. Six segments, tower in the middle."""
+"""Algorithm 2, the tower's lines: what is covered, who is sent where. Six segments, tower in the middle."""
 
 import pytest
 from hypothesis import given

@@ -10,7 +10,7 @@ Kind = Literal["born", "heard", "order", "recall", "vacant", "covered", "lost", 
 class Entry(msgspec.Struct, frozen=True):
     """One line of the tower's ledger. `tick` is filled in by the ledger.
 
-    born: the tower's process began. heard: a robot's own word; `number` is the last order it has heard, `text`
+    born: the tower process began. heard: a robot's own word; `number` is the last order it has heard, `text`
     its state, with "low" behind it when it goes home for its battery's sake. order: `number`, to `node`, for
     `segment` (0: home). recall: Algorithm 3 chose `node`. vacant, covered: `segment`. lost, returned: `node`.
     """

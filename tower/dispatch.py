@@ -35,7 +35,7 @@ class Situation(NamedTuple):
 
 
 def deployment_order(line: Line) -> list[int]:
-    """All segments, the outermost first, alternating between the two sides of the tower, the left one first."""
+    """All segments, the outermost first, alternating between the sides of the tower, the left one first."""
     numbers = [one.number for one in line.segments]
     left = [one for one in numbers if line.side(one) < 0]
     right = [one for one in reversed(numbers) if line.side(one) > 0]
