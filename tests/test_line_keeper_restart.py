@@ -1,4 +1,4 @@
-"""The line's tower after a kill: what it remembers, what it asks, and whose word counts. A tick is a second."""
+"""The line's tower after a kill: what it remembers, what it asks, whose word counts. A tick is a second."""
 
 from pathlib import Path
 
