@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from deploy.process import CONTINUE, KILL, STOP, Child, on_interrupt
-from deploy.run_folder import LiveRun, RunError, announce_live
+from deploy.run_folder import LEDGER, LiveRun, RunError, announce_live
 from wire import channels, codec
 from wire.credentials import OBSERVERS, OPERATORS, SUPERVISOR, hand_over, make_book
 from wire.link import Link, LinkError, open_client
@@ -108,6 +108,8 @@ class Launcher:
         if memory:
             descriptors.append(hand_over(memory))
             arguments += ["--memory-fd", str(descriptors[1])]
+        if is_tower:
+            arguments += ["--ledger", str(self._folder / LEDGER)]
         module = "tower" if is_tower else "swarm_agent"
         child = Child(node, module, arguments, self._folder / "logs" / f"{node}.log", descriptors)
         self._living[node] = (child, incarnation)

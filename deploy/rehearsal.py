@@ -8,7 +8,9 @@ import traceback
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
+from deploy.run_folder import LEDGER
 from swarm_agent.node import Mind, percepts_of
+from tower.ledger import Ledger
 from wire import codec
 from wire.messages import Action, Event, Facts, Fault, Percept
 from wire.scenario import Scenario
@@ -67,7 +69,9 @@ class Rehearsal:
         return ()
 
     def _newborn(self, node: str) -> Mind:
-        return Mind("tower" if node == self._tower else "swarm_agent.behaviours")
+        if node == self._tower:
+            return Mind("tower", Ledger(self._folder / LEDGER))
+        return Mind("swarm_agent.behaviours")
 
 
 def rehearse(

@@ -16,6 +16,8 @@ import msgspec
 from wire.credentials import Ticket
 
 RUNS = Path("runs")
+LEDGER = "ledger.sqlite"
+"""In a run folder: what its tower wrote down, where its behaviour does."""
 
 
 class RunError(Exception):

@@ -66,6 +66,8 @@ PURE = (
     "swarm_agent/surveillance_graph.py",
     "swarm_agent/geometry.py",
     "tower/base_station.py",
+    "tower/desk.py",
+    "tower/orders.py",
     "tower/queue.py",
     "tower/recall.py",
     "tower/roster.py",
@@ -259,6 +261,7 @@ def test_nothing_of_ours_draws_from_global_randomness():
         "tower.__main__",
         "swarm_agent.behaviours.lr_pt",
         "tower.base_station",
+        "tower.line_keeper",
     ],
 )
 def test_a_robot_process_stays_lean(main):

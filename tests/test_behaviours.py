@@ -14,8 +14,10 @@ import swarm_agent.behaviours
 import tower
 from swarm_agent.behaviour import Behaviour, find_behaviour, settled_parameters
 from swarm_agent.knowledge import Bulletin
+from swarm_agent.line_radio import Envelope
 from swarm_agent.node import Mind, percepts_of
 from tests.builders import configuration, from_robot, from_tower, percept, table
+from tests.line_builders import report, straight
 from wire import codec
 from wire.fields import Grid
 from wire.messages import Action, Frame, GoTo, Percept, Senses, Sighting
@@ -46,9 +48,10 @@ def first(package: str, name: str, generator_key: tuple[int, ...] = (1, 2)) -> P
     """The first percept of a node with this behaviour, on a small field, in the paper's team of ten."""
     parameters = settled_parameters(find_behaviour(name, package), {}, 10)
     node = "r1" if package == "tower" else "r2"
-    told = configuration(
-        node, name, msgspec.to_builtins(parameters), field=Grid(6, 6), generator_key=generator_key
+    place = (
+        {"field": straight(), "tower_m": (30.0, 0.0)} if name.startswith("line_") else {"field": Grid(6, 6)}
     )
+    told = configuration(node, name, msgspec.to_builtins(parameters), generator_key=generator_key, **place)
     return percept(0, 2.0, 3.0, why="start", configuration=told)
 
 
@@ -59,6 +62,7 @@ def sound_frames() -> list[bytes]:
     return [
         codec.encode(from_tower(3, news).message),
         codec.encode(from_robot("r3", 3, 5.0, 1, 2, 3, news).message),
+        *(codec.encode(report("r3", tick, "patrol", 1 + tick % 6).message) for tick in (3, 7)),
     ]
 
 
@@ -71,7 +75,7 @@ def a_life(package: str, name: str, ticks: int = 25, seed: int = 0) -> list[Perc
         heard = [
             Frame(f"r{number}", tick - 1, payload)
             for number, payload in zip(
-                (1, 3, 4), [*sound_frames(), draw.bytes(int(draw.integers(40)))], strict=True
+                (1, 3, 4, 5, 6), [*sound_frames(), draw.bytes(int(draw.integers(40)))], strict=True
             )
             if draw.random() < 0.7
         ]
@@ -80,8 +84,29 @@ def a_life(package: str, name: str, ticks: int = 25, seed: int = 0) -> list[Perc
     return life
 
 
+class Notebook:
+    """A ledger in memory."""
+
+    def __init__(self) -> None:
+        self.grants = {}
+
+    def read(self, before_grant):
+        """All entries of the grants before."""
+        self.grants = {grant: kept for grant, kept in self.grants.items() if grant < before_grant}
+        return [one for kept in self.grants.values() for one in kept]
+
+    def write(self, grant, tick, entries) -> None:
+        """Keep the entries of one grant."""
+        self.grants[grant] = [msgspec.structs.replace(one, tick=tick) for one in entries]
+
+
+def a_mind(package: str) -> Mind:
+    """A mind with a ledger, which a tower may need."""
+    return Mind(package, Notebook())
+
+
 def answers(package: str, life: list[Percept]) -> list[bytes]:
-    mind = Mind(package)
+    mind = a_mind(package)
     return [mind.answer(codec.encode(one)) for one in life]
 
 
@@ -89,6 +114,7 @@ def test_every_behaviour_is_discovered():
     assert ("swarm_agent.behaviours", "lr_pt") in DISCOVERED
     assert ("swarm_agent.behaviours", "stand_still") in DISCOVERED
     assert ("tower", "base_station") in DISCOVERED
+    assert ("tower", "line_keeper") in DISCOVERED
 
 
 def test_every_file_among_the_behaviours_is_one():
@@ -109,7 +135,7 @@ def test_equal_percepts_give_equal_bytes(package, name):
 def test_two_minds_in_one_process_share_nothing(package, name):
     here, there = a_life(package, name, seed=1), a_life(package, name, seed=2)
     apart = answers(package, here), answers(package, there)
-    one, other = Mind(package), Mind(package)
+    one, other = a_mind(package), a_mind(package)
     mixed = [
         (one.answer(codec.encode(a)), other.answer(codec.encode(b))) for a, b in zip(here, there, strict=True)
     ]
@@ -136,17 +162,18 @@ def test_what_a_behaviour_says_it_understands(package, name):
 
 @every_behaviour
 def test_the_tower_understands_the_news_of_every_behaviour_that_speaks(package, name):
-    station = find_behaviour("base_station", "tower")
+    on_a_line = name.startswith("line_")
+    station = find_behaviour("line_keeper" if on_a_line else "base_station", "tower")
     for answer in answers(package, a_life(package, name)):
         for payload in codec.decode(Action, answer).outbox:
-            assert isinstance(codec.decode(station.Radio, payload), Bulletin)
+            assert isinstance(codec.decode(station.Radio, payload), Envelope if on_a_line else Bulletin)
 
 
 @every_behaviour
 def test_a_repeated_grant_gets_the_same_answer_and_changes_nothing(package, name):
     life = a_life(package, name)
     once = answers(package, life)
-    mind = Mind(package)
+    mind = a_mind(package)
     for given_percept, expected in zip(life, once, strict=True):
         data = codec.encode(given_percept)
         assert [mind.answer(data) for _ in range(3)] == [expected] * 3
@@ -179,7 +206,7 @@ def _mind_of(behaviour: Behaviour) -> Mind:
 @settings(max_examples=25)
 @given(data=st.data())
 def test_garbage_in_the_inbox_crashes_nobody(package, name, data):
-    mind = Mind(package)
+    mind = a_mind(package)
     mind.answer(codec.encode(first(package, name)))
     for tick in range(1, 4):
         frames = st.one_of(st.binary(max_size=60), _damaged(), _strange())
@@ -210,7 +237,7 @@ def _strange(draw) -> bytes:
 def test_a_mind_rebuilt_from_its_percepts_goes_on_as_if_nothing_had_happened(package, name):
     life = a_life(package, name)
     once = answers(package, life)
-    mind = Mind(package)
+    mind = a_mind(package)
     told = msgspec.msgpack.encode([codec.encode(one) for one in life[:15]])
     for data in percepts_of(told):
         mind.answer(data)
