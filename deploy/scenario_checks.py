@@ -1,6 +1,7 @@
 """What the types of a scenario cannot say: that its parts fit together."""
 
 from wire.channels import number_of
+from wire.fields import Grid
 from wire.messages import BEFALLS
 from wire.scenario import Latency, Partition, Poses, Scenario
 
@@ -44,7 +45,7 @@ def _check_sizes(scenario: Scenario) -> None:
         raise Mistake(f"duration_s must be <= {MAX_TICKS} ticks of {scenario.tick_s} s, got {duration_s}")
     if scenario.metrics_from_s > duration_s:
         raise Mistake(f"metrics_from_s must be <= duration_s ({duration_s}), got {scenario.metrics_from_s}")
-    sites = scenario.field.columns * scenario.field.rows
+    sites = len(scenario.field.sites_m()) if isinstance(scenario.field, Grid) else 0
     if sites > MAX_SITES:
         raise Mistake(f"field must have at most {MAX_SITES} sites, got {sites}")
     robots = len(scenario.robot_ids)

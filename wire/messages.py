@@ -175,10 +175,11 @@ class Facts(Message):
     """What was true of one tick: the only thing metrics and pictures are made of.
 
     `poses`: float64, (nodes, 3): x_m, y_m, heading_rad settled at the end of the tick. `goals`: float64,
-    (nodes, 2), NaN for none. `modes`: uint8 per node: 0 alive, 1 frozen, 2 dead, 3 flat. `links`: uint16 pairs
-    of node rows (sender, receiver) of every delivery decided in the tick. `visits`: (node, site) at the tick.
-    `reports`: what nodes said of themselves. `radio`: frames sent, deliveries, out of range, otherwise lost,
-    oversize, bytes sent. `battery_v`: float32 per node, empty where there are no batteries.
+    (nodes, 2), NaN for none. `modes`: uint8 per node: 0 alive, 1 frozen, 2 dead, 3 flat. `links`: uint16
+    pairs of node rows (sender, receiver) of every delivery decided in the tick. `visits`: (node, site) at the
+    tick. `reports`: what nodes said of themselves. `radio`: frames sent, deliveries, out of range, otherwise
+    lost, oversize, bytes sent. `battery_v`: float32 per node, NaN for the tower, empty where there are no
+    batteries.
     `incidents`: pairs of robots that have just come closer than bodies may.
     """
 

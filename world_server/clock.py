@@ -57,7 +57,7 @@ class Swarm(Protocol):
 def planned_faults(scenario: Scenario) -> list[Fault]:
     """The scenario's fault plan, one fault for each node it befalls, in order of time."""
     plan = [
-        Fault(scenario.tick_of(one.at_s), one.verb, node, one.memory)
+        Fault(scenario.tick_of(one.at_s), one.verb, node, one.memory, one.place)
         for one in sorted(scenario.faults, key=lambda one: one.at_s)
         for node in scenario.nodes_of(one)
     ]

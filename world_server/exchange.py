@@ -159,7 +159,7 @@ class LiveSwarm:
             if not wanted:
                 return
             wish, reply = self._wishes.pop(0)
-            fault = Fault(tick, wish.verb, wish.node, wish.memory)
+            fault = Fault(tick, wish.verb, wish.node, wish.memory, wish.place)
             yield Befallen(fault, False, self._answerer(wish, reply))
 
     def finish(self, tick: int) -> None:
