@@ -79,7 +79,8 @@ PURE = (
     *(
         f"world_server/{name}.py"
         for name in """
-        world clock motion path_following radio cells passes sensing nodes records chance battery floorplan
+        world clock area polyline motion path_following traffic radio cells passes sensing nodes records
+        chance battery floorplan
         """.split()
     ),
 )

@@ -178,8 +178,8 @@ class Facts(Message):
     (nodes, 2), NaN for none. `modes`: uint8 per node: 0 alive, 1 frozen, 2 dead, 3 flat. `links`: uint16
     pairs of node rows (sender, receiver) of every delivery decided in the tick. `visits`: (node, site) at the
     tick. `reports`: what nodes said of themselves. `radio`: frames sent, deliveries, out of range, otherwise
-    lost, oversize, bytes sent. `battery_v`: float32 per node, empty where there are no batteries.
-    `incidents`: pairs of robots that have just come closer than bodies may.
+    lost, oversize, bytes sent. `battery_v`: float32 per node, NaN for the tower, empty where there are no
+    batteries. `incidents`: pairs of robots that have just come closer than bodies may.
     """
 
     tick: Count

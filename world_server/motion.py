@@ -6,13 +6,17 @@ as the paper gives none.
 
 import math
 
-from wire.messages import GoTo, Motion, Pose, Stay
-from wire.scenario import Fan, Scenario
+from wire.line import Line
+from wire.messages import Dock, Follow, GoTo, Motion, Pose, Stay
+from wire.scenario import Fan, InQueue, Poses, Scenario
 from world_server.chance import generator
 
 
 class Body:
     """A disc on the plane. It holds its last motion until told otherwise; a dead body stays where it fell."""
+
+    travelled_m = 0.0
+    """How far it has come along the path it was last given; this kind of body knows no paths."""
 
     def __init__(self, pose: Pose, max_speed_m_s: float, max_turn_rad_s: float) -> None:
         self.x_m, self.y_m, self.heading_rad = pose.x_m, pose.y_m, pose.heading_rad
@@ -36,12 +40,33 @@ class Body:
         """Will the body stay where it is if nobody tells it otherwise?"""
         return self.goal is None or (self.goal.x_m == self.x_m and self.goal.y_m == self.y_m)
 
-    def command(self, motion: Motion | None) -> None:
-        """Take over a motion; None keeps the present one."""
-        if isinstance(motion, Stay):
+    def command(self, motion: Motion | None) -> bool:
+        """Take over a motion; None keeps the present one. Of a path only the end counts here.
+
+        Returns whether the body is already where it has just been sent.
+        """
+        before = self.goal
+        if isinstance(motion, (Stay, Dock)):
             self.goal = None
+        elif isinstance(motion, Follow):
+            self.goal = GoTo(*motion.path_m[-1])
         elif motion is not None:
             self.goal = motion
+        return self.goal != before and self.arrived
+
+    def halt(self) -> object:
+        """Stop where it is. Returns what is left of its errand, for `resume`."""
+        errand, self.goal = self.goal, None
+        return errand
+
+    def resume(self, errand: object) -> None:
+        """Go on with an errand that `halt` interrupted."""
+        self.goal = errand
+
+    def carry_to(self, pose: Pose) -> None:
+        """Put the body somewhere else, by hand; it has no errand any more."""
+        self.halt()
+        self.x_m, self.y_m, self.heading_rad = pose.x_m, pose.y_m, pose.heading_rad
 
     def advance(self, tick_s: float) -> None:
         """One tick: turn towards the goal, and go unless the turn takes the whole tick."""
@@ -71,15 +96,22 @@ def wrapped(angle_rad: float) -> float:
 def first_poses(scenario: Scenario) -> dict[str, Pose]:
     """Where every node begins: the tower where it stands, the robots as the scenario's start says."""
     poses = {scenario.tower.id: Pose(scenario.tower.x_m, scenario.tower.y_m, 0.0)}
-    start = scenario.robots.start
-    if isinstance(start, Fan):
-        radius_m = start.radius_m or 2 * math.sqrt(len(scenario.node_ids))
-        poses |= {
-            node: _in_fan(scenario.seed, number, radius_m) for number, node in enumerate(scenario.robot_ids)
-        }
-    else:
-        poses |= {node: Pose(*pose) for node, pose in zip(scenario.robot_ids, start.poses, strict=True)}
+    poses |= dict(zip(scenario.robot_ids, _starts(scenario), strict=True))
     return {node: poses[node] for node in scenario.node_ids}
+
+
+def _starts(scenario: Scenario) -> list[Pose]:
+    """The first pose of each robot, in order of their numbers."""
+    start, count = scenario.robots.start, len(scenario.robot_ids)
+    match start:
+        case Fan():
+            radius_m = start.radius_m or 2 * math.sqrt(len(scenario.node_ids))
+            return [_in_fan(scenario.seed, row, radius_m) for row in range(count)]
+        case Poses(poses=poses):
+            return [Pose(*pose) for pose in poses]
+        case InQueue():
+            line = Line(scenario.field, (scenario.tower.x_m, scenario.tower.y_m))
+            return [Pose(*line.slot(row), 0.0) for row in range(count)]
 
 
 def _in_fan(seed: int, row: int, radius_m: float) -> Pose:

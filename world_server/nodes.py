@@ -3,11 +3,12 @@
 from typing import NamedTuple
 
 from wire import codec
-from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, WAKE_ON_SENSOR, Action, Frame, GoTo, Why
+from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_BLOCKED, WAKE_ON_FRAME, WAKE_ON_SENSOR, Action, Frame, Why
 from world_server.motion import Body
 from world_server.records import FrameRef
 
-ALIVE, FROZEN, DEAD = 0, 1, 2
+ALIVE, FROZEN, DEAD, FLAT = 0, 1, 2, 3
+STATES = ("alive", "frozen", "dead", "flat")
 INBOX_BYTES = codec.MAX_BYTES // 2  # an inbox must fit into a percept
 LETTER_BYTES = 32  # more than what a frame needs around its payload
 
@@ -38,7 +39,11 @@ class Node:
         self.seen: tuple[str, ...] = ()
         self.arrival_pending = False
         self.on_patrol = False
-        self._errand: GoTo | None = None
+        self.blocked_by: str | None = None
+        self.blocked_pending = False
+        self.flat = False
+        self._held_up: tuple[str, float] | None = None
+        self._errand: object = None
         self._letters: list[Letter] = []
         self._inbox_frames = inbox_frames
         self._wake_tick: int | None = 0
@@ -56,6 +61,8 @@ class Node:
             return "frame"
         if self._wake_on & WAKE_ON_ARRIVAL and self.arrival_pending:
             return "arrival"
+        if self._wake_on & WAKE_ON_BLOCKED and self.blocked_pending:
+            return "blocked"
         if seen is not None and seen != self.seen:
             return "sensor"
         return None
@@ -70,6 +77,8 @@ class Node:
         if self.mode != ALIVE:
             return None
         if self.arrival_pending and self._wake_on & WAKE_ON_ARRIVAL:
+            return tick + 1
+        if self.blocked_pending and self._wake_on & WAKE_ON_BLOCKED:
             return tick + 1
         heard = [letter.heard_tick for letter in self._letters] if self._wake_on & WAKE_ON_FRAME else []
         wake = [] if self._wake_tick is None else [self._wake_tick]
@@ -100,26 +109,66 @@ class Node:
         self.newborn = False
         self.grants += 1
         self.refused_frames = 0
-        self.arrival_pending = False
-        goal = self.body.goal
-        self.body.command(action.motion)
-        self.on_patrol = self.on_patrol or action.motion is not None
-        if self.body.goal != goal and self.body.arrived:
-            self.arrival_pending = True
+        self.blocked_pending = False
+        self.arrival_pending = self.body.command(action.motion)
+        if action.motion is not None:
+            self.on_patrol = True
+            self.blocked_by = self._held_up = None
+
+    def hold_up(self, by: str | None, body_m: float) -> None:
+        """Note the body that this one waits behind, if any, once for each that it comes up against.
+
+        Waiting again behind the same one is news only when it has gone on by more than a body's distance.
+        """
+        self.blocked_by = by
+        if by is None:
+            self.blocked_pending = False
+            return
+        travelled_m = self.body.travelled_m
+        held_up = self._held_up
+        if held_up is None or held_up[0] != by or travelled_m - held_up[1] > body_m:
+            self._held_up, self.blocked_pending = (by, travelled_m), True
+
+    @property
+    def silent(self) -> bool:
+        """Dead or without charge: the radio is off."""
+        return self.flat or self.mode == DEAD
+
+    def thaw(self) -> None:
+        """The process goes on."""
+        self.mode = FLAT if self.flat else ALIVE
+
+    def run_flat(self) -> None:
+        """The charge is used up: the body stops, the radio falls silent, the mind is asked no more."""
+        self.flat = True
+        self.mode = FLAT if self.mode == ALIVE else self.mode
+        self._fall_silent()
+
+    def recharge(self) -> None:
+        """There is charge again."""
+        self.flat = False
+        self.mode = ALIVE if self.mode == FLAT else self.mode
 
     def die(self) -> None:
         """The body stays where it is; radio and mind are gone."""
         self.mode = DEAD
-        self._errand, self.body.goal = self.body.goal, None
+        self._errand = self._fall_silent()
+
+    def _fall_silent(self) -> object:
+        """Stop and forget all that was to come. Returns the errand that is broken off."""
         self._letters = []
         self._wake_tick, self._wake_on = None, 0
+        self.arrival_pending = self.blocked_pending = False
+        self.blocked_by = self._held_up = None
+        return self.body.halt()
 
     def rise(self, tick: int, keeps_memory: bool) -> None:
         """A new process for the old body. A kept memory goes on with its errand, so that a visit completed
         as it died counts when it wakes, for it and for the world.
         """
-        self.mode = ALIVE
-        self.body.goal = self._errand if keeps_memory else None
+        self.mode = FLAT if self.flat else ALIVE
+        if keeps_memory and not self.flat:
+            self.body.resume(self._errand)
         self.incarnation += 1
         self.newborn = self.newborn or not keeps_memory  # who never began has nothing to keep
         self.refused_frames, self.arrival_pending, self.seen = 0, False, ()

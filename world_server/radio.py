@@ -49,6 +49,10 @@ class Tally(NamedTuple):
     bytes: int
 
 
+_NONE = np.empty(0, dtype=np.int64)
+NOTHING = Deliveries(_NONE, _NONE, _NONE, _NONE), Tally(0, 0, 0, 0, 0, 0)
+"""A tick in which nobody says anything."""
+
 Rule = Callable[[Transmissions], np.ndarray]
 """From transmissions to verdicts: PASS, DROP, or the number of ticks until the frame is heard."""
 

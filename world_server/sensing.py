@@ -8,16 +8,23 @@ from wire.messages import Sighting
 
 
 def sightings(
-    nodes: Sequence[str], positions_m: np.ndarray, apart_m: np.ndarray, ranges_m: np.ndarray
-) -> list[tuple[Sighting, ...]]:
-    """For every node the bodies that it sees, in order of their numbers; range 0 sees nothing.
+    nodes: Sequence[str],
+    positions_m: np.ndarray,
+    apart_m: np.ndarray,
+    ranges_m: np.ndarray,
+    rows: Sequence[int],
+) -> dict[int, tuple[Sighting, ...]]:
+    """For each of these rows the bodies that it sees, in order of their numbers; range 0 sees nothing.
 
     `positions_m`: (nodes, 2); `apart_m`: (nodes, nodes); `ranges_m`: (nodes,).
     """
-    bodies = [Sighting(node, *place) for node, place in zip(nodes, positions_m.tolist(), strict=True)]
-    sees = (apart_m <= ranges_m[:, None]) & (ranges_m[:, None] > 0)
-    np.fill_diagonal(sees, False)
-    seen: list[list[Sighting]] = [[] for _ in nodes]
-    for row, other in np.argwhere(sees).tolist():
-        seen[row].append(bodies[other])
-    return [tuple(one) for one in seen]
+    places, bodies = positions_m.tolist(), {}
+    reach_m = ranges_m[rows, None]
+    sees = (apart_m[rows] <= reach_m) & (reach_m > 0)
+    sees[np.arange(len(rows)), rows] = False
+    seen: dict[int, list[Sighting]] = {row: [] for row in rows}
+    for place, other in np.argwhere(sees).tolist():
+        if other not in bodies:
+            bodies[other] = Sighting(nodes[other], *places[other])
+        seen[rows[place]].append(bodies[other])
+    return {row: tuple(one) for row, one in seen.items()}

@@ -9,12 +9,25 @@ from collections.abc import Mapping
 import numpy as np
 
 from wire import channels, codec
-from wire.messages import BEFALLS, Action, Configuration, Facts, Fault, Frame, Percept, Pose, Senses, Sighting
+from wire.messages import (
+    BEFALLS,
+    Action,
+    Configuration,
+    Facts,
+    Fault,
+    Frame,
+    Percept,
+    Pose,
+    Senses,
+    Sighting,
+    Why,
+)
 from wire.scenario import Scenario
 from world_server import chance, radio
-from world_server.cells import Sites
-from world_server.motion import Body, first_poses
-from world_server.nodes import ALIVE, DEAD, FROZEN, Letter, Node
+from world_server.area import Area
+from world_server.motion import first_poses
+from world_server.nodes import ALIVE, FROZEN, STATES, Letter, Node
+from world_server.polyline import LinePatrol
 from world_server.records import Commit, FrameRef, Grant
 from world_server.sensing import sightings
 
@@ -25,33 +38,31 @@ class World:
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
         self.names = scenario.node_ids
+        self._mission = LinePatrol(scenario) if scenario.mission == "line" else Area(scenario)
         self.nodes = {name: self._make(name, pose) for name, pose in first_poses(scenario).items()}
         self._rows = list(self.nodes.values())
         self._row_of = {name: row for row, name in enumerate(self.names)}
         self._radio = radio.for_scenario(scenario)
-        self._sites = Sites(scenario.field)
         self._refs: dict[str, tuple[FrameRef, ...]] = {}
         self.oversize: dict[str, int] = {}
         """How many frames the radio refused for the byte limit in the last commit, by sender."""
         self._sensor_ranges_m = np.array([node.sensor_range_m for node in self._rows])
-        self._measure()
+        self._apart_m: np.ndarray | None = None
+        self._mission.begin(self._rows)
 
     def poses(self) -> np.ndarray:
         """x_m, y_m, heading_rad of every node: float64, (nodes, 3)."""
-        return np.array(
-            [(node.body.x_m, node.body.y_m, node.body.heading_rad) for node in self._rows], dtype="<f8"
-        )
+        bodies = [node.body for node in self._rows]
+        return np.array([(body.x_m, body.y_m, body.heading_rad) for body in bodies], dtype="<f8")
 
     def percepts(self, tick: int) -> dict[str, Percept]:
         """Grants for every node that is due at `tick`, in order of their numbers."""
         self._refs = {}
-        granted = {}
-        for row, node in enumerate(self._rows):
-            seen = _names(self._in_sight[row]) if node.watches else None
-            why = node.due(tick, seen)
-            if why is not None:
-                granted[node.name] = self._percept(tick, row, why)
-        return granted
+        watched = self._watched()
+        asked = ((row, node.due(tick, watched.get(row))) for row, node in enumerate(self._rows))
+        reasons = {row: why for row, why in asked if why is not None}
+        in_sight = self._in_sight(list(reasons))
+        return {self.names[row]: self._percept(tick, row, why, in_sight[row]) for row, why in reasons.items()}
 
     def commit(
         self,
@@ -62,27 +73,29 @@ class World:
     ) -> Commit:
         """Settle one tick: act, settle, talk. Who was granted and has no action died unheard."""
         answered = [name for name in percepts if name in actions]
-        visits = self._visits()
-        for name, _ in visits:
-            self.nodes[name].on_patrol = False
-        grants = tuple(self._grant(name, percepts[name]) for name in answered)
+        visits = self._mission.visits()
+        grants = tuple([self._grant(name, percepts[name]) for name in answered])
         for name in answered:
-            self.nodes[name].seen = _names(percepts[name].senses.in_sight)
-            self.nodes[name].answered(tick, actions[name])
-        self._settle()
+            node, action = self.nodes[name], actions[name]
+            node.seen = _names(percepts[name].senses.in_sight)
+            node.answered(tick, action)
+            self._mission.acted(self._row_of[name], action)
+        more_visits, incidents = self._mission.settle(tick)
+        self._apart_m = None
         outboxes = {self._row_of[name]: actions[name].outbox for name in answered if actions[name].outbox}
         deliveries, tally = self._talk(tick, outboxes)
-        reports = tuple((name, actions[name].report) for name in answered if actions[name].report)
         facts = Facts(
             tick,
             self.poses().tobytes(),
             self._goals().tobytes(),
-            bytes(node.mode for node in self._rows),
+            bytes([node.mode for node in self._rows]),
             np.stack([deliveries.senders, deliveries.receivers], axis=1).astype("<u2").tobytes(),
-            visits,
-            reports,
+            visits + more_visits,
+            tuple([(name, actions[name].report) for name in answered if actions[name].report]),
             faults,
             tally,
+            self._mission.volts(),
+            incidents,
         )
         return Commit(tick, grants, tuple(actions[name] for name in answered), _columns(deliveries), facts)
 
@@ -95,46 +108,39 @@ class World:
             case "freeze":
                 node.mode = FROZEN
             case "thaw":
-                node.mode = ALIVE
+                node.thaw()
             case "restart":
                 node.rise(fault.tick, fault.memory == "kept")
+                self._mission.restarted(self._row_of[fault.node], fault.place == "queue")
+                self._apart_m = None
 
     def can(self, verb: str, name: str) -> str:
         """Why a fault cannot befall a node now, in words; empty when it can."""
         if name not in self.nodes:
             return f"there is no node {name}; nodes are {', '.join(self.names)}"
-        state = ("alive", "frozen", "dead")[self.nodes[name].mode]
+        state = STATES[self.nodes[name].mode]
         return "" if state in BEFALLS[verb] else f"cannot {verb} {name}: it is {state}"
 
     def next_tick(self, tick: int) -> int | None:
         """The next tick at which anything can happen, or None when nothing ever will by itself."""
-        if not all(node.body.at_rest for node in self._rows):
+        if self._mission.restless or not all(node.body.at_rest for node in self._rows):
             return tick + 1
-        if any(
-            node.watches and _names(self._in_sight[row]) != node.seen for row, node in enumerate(self._rows)
-        ):
-            return tick + 1
-        if self._visits():
+        if any(seen != self._rows[row].seen for row, seen in self._watched().items()):
             return tick + 1
         due = [one for one in (node.next_due(tick) for node in self._rows) if one is not None]
         newborn = any(node.newborn and node.mode == ALIVE for node in self._rows)
         return tick + 1 if newborn else min(due, default=None)
 
-    def _visits(self) -> tuple[tuple[str, int], ...]:
-        """(node, site) of every patrol that is complete on the present positions."""
-        on_patrol = {node.name: node.body for node in self._rows if node.mode == ALIVE and node.on_patrol}
-        return self._sites.visits(on_patrol)
-
     def _make(self, name: str, pose: Pose) -> Node:
-        scenario, moves = self.scenario, name != self.scenario.tower.id
-        speed = scenario.robots.max_speed_m_s if moves else 0.0
-        turn = scenario.robots.max_turn_rad_s if moves else 0.0
-        sensor_range_m = scenario.robots.sensor_range_m if moves else 0.0
-        return Node(name, Body(pose, speed, turn), sensor_range_m, scenario.radio.inbox_frames)
+        sensor_range_m = self.scenario.robots.sensor_range_m if name != self.scenario.tower.id else 0.0
+        return Node(name, self._mission.body(name, pose), sensor_range_m, self.scenario.radio.inbox_frames)
 
-    def _percept(self, tick: int, row: int, why: str) -> Percept:
+    def _percept(self, tick: int, row: int, why: Why, in_sight: tuple[Sighting, ...]) -> Percept:
         node, letters = self._rows[row], self._rows[row].heard(tick)
-        senses = Senses(node.body.pose, self._in_sight[row], None, node.refused_frames)
+        body, volts = node.body, self._mission.battery_v(row)
+        senses = Senses(
+            body.pose, in_sight, volts, node.refused_frames, body.arrived, body.travelled_m, node.blocked_by
+        )
         self._refs[node.name] = tuple([letter.reference for letter in letters])
         inbox = tuple([letter.frame for letter in letters])
         configuration = self._configuration(node) if why == "start" else None
@@ -155,6 +161,9 @@ class World:
             scenario.tower.id,
             scenario.field,
             0.0 if is_tower else scenario.robots.max_speed_m_s,
+            (scenario.tower.x_m, scenario.tower.y_m),
+            0 if is_tower else scenario.robot_ids.index(node.name),
+            scenario.robots.body_m,
         )
 
     def _grant(self, name: str, percept: Percept) -> Grant:
@@ -163,25 +172,34 @@ class World:
             name, percept.grant, percept.why, percept.senses, self._refs[name], percept.configuration
         )
 
-    def _measure(self) -> None:
-        positions_m = self.poses()[:, :2]
-        self._apart_m = radio.distances_m(positions_m)
-        self._in_sight = sightings(self.names, positions_m, self._apart_m, self._sensor_ranges_m)
+    def _watched(self) -> dict[int, tuple[str, ...]]:
+        """What is in sight of those who want to be woken when it changes, by row."""
+        watching = [row for row, node in enumerate(self._rows) if node.watches]
+        return {row: _names(seen) for row, seen in self._in_sight(watching).items()}
 
-    def _settle(self) -> None:
-        for node in self._rows:
-            arrived = node.body.arrived
-            node.body.advance(self.scenario.tick_s)
-            if node.body.arrived and not arrived:
-                node.arrival_pending = True
-        self._measure()
+    def _in_sight(self, rows: list[int]) -> dict[int, tuple[Sighting, ...]]:
+        """The bodies in sight of the nodes in these rows."""
+        if not rows:
+            return {}
+        return sightings(self.names, self.poses()[:, :2], self._distances_m(), self._sensor_ranges_m, rows)
+
+    def _distances_m(self) -> np.ndarray:
+        """All distances between bodies, (nodes, nodes), measured when they are first asked for in a tick."""
+        if self._apart_m is None:
+            self._apart_m = radio.distances_m(self.poses()[:, :2])
+        return self._apart_m
 
     def _talk(
-        self, tick: int, outboxes: Mapping[int, tuple[bytes, ...]]
+        self, tick: int, outboxes: dict[int, tuple[bytes, ...]]
     ) -> tuple[radio.Deliveries, radio.Tally]:
-        """The radio judges on settled positions; the dead neither speak nor hear."""
-        deaf = [row for row, node in enumerate(self._rows) if node.mode == DEAD]
-        deliveries, refused, tally = self._radio.transmit(tick, outboxes, self._apart_m, deaf)
+        """The radio judges on settled positions; who is dead or without charge neither speaks nor hears."""
+        silent = [row for row, node in enumerate(self._rows) if node.silent]
+        for row in silent:
+            outboxes.pop(row, None)
+        self.oversize = {}
+        if not outboxes:
+            return radio.NOTHING
+        deliveries, refused, tally = self._radio.transmit(tick, outboxes, self._distances_m(), silent)
         for row, count in refused.items():
             self._rows[row].refused_frames = count
         self.oversize = {self.names[row]: count for row, count in refused.items()}

@@ -1,0 +1,73 @@
+"""Mission "area" as the world plays it: bodies pass each other freely, and go to the sites they are to visit."""
+
+from collections.abc import Sequence
+
+from wire.messages import Action, Pose
+from wire.scenario import Scenario
+from world_server.cells import Sites
+from world_server.motion import Body
+from world_server.nodes import ALIVE, Node
+
+Visits = tuple[tuple[str, int], ...]
+Pairs = tuple[tuple[str, str], ...]
+
+
+class Area:
+    """What a mission adds to the world: bodies, how they settle, and what counts as a visit."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        self._sites = Sites(scenario.field)
+        self._nodes: Sequence[Node] = ()
+
+    def body(self, name: str, pose: Pose) -> Body:
+        """The body of a node."""
+        scenario = self._scenario
+        if name == scenario.tower.id:
+            return Body(pose, 0.0, 0.0)
+        return Body(pose, scenario.robots.max_speed_m_s, scenario.robots.max_turn_rad_s)
+
+    def begin(self, nodes: Sequence[Node]) -> None:
+        """All nodes stand where they begin."""
+        self._nodes = nodes
+
+    @property
+    def restless(self) -> bool:
+        """Is the next tick to be settled even though nobody moves or is due?"""
+        return bool(self._complete())
+
+    def battery_v(self, row: int) -> float | None:
+        """There are no batteries."""
+        return None
+
+    def volts(self) -> bytes:
+        """There are no batteries."""
+        return b""
+
+    def visits(self) -> Visits:
+        """The visits that are complete as the tick begins; each counts once."""
+        visits = self._complete()
+        if visits:
+            done = {name for name, _ in visits}
+            for node in self._nodes:
+                node.on_patrol = node.on_patrol and node.name not in done
+        return visits
+
+    def acted(self, row: int, action: Action) -> None:
+        """What a node does concerns its own body only."""
+
+    def restarted(self, row: int, in_queue: bool) -> None:
+        """A new process finds the body where it lay."""
+
+    def settle(self, tick: int) -> tuple[Visits, Pairs]:
+        """One tick of all bodies. Returns further visits of the tick, and who has come too close to whom."""
+        for node in self._nodes:
+            arrived = node.body.arrived
+            node.body.advance(self._scenario.tick_s)
+            if node.body.arrived and not arrived:
+                node.arrival_pending = True
+        return (), ()
+
+    def _complete(self) -> Visits:
+        on_patrol = {node.name: node.body for node in self._nodes if node.mode == ALIVE and node.on_patrol}
+        return self._sites.visits(on_patrol)
