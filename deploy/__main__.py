@@ -7,6 +7,7 @@ from deploy.command_line import parse
 from deploy.launcher import LaunchError
 from deploy.run_folder import RunError
 from deploy.scenario_file import ScenarioError
+from deploy.sweep import SweepError
 from deploy.viewer import ViewerError
 from world_server.journal import JournalError
 
@@ -28,7 +29,7 @@ def carry_out(arguments: list[str]) -> int:
     except (ScenarioError, RunError, JournalError, ViewerError) as error:
         print(f"picket: {error}", file=sys.stderr)
         return OPERATOR_MISTAKE
-    except LaunchError as error:
+    except (LaunchError, SweepError) as error:
         print(f"picket: {error}", file=sys.stderr)
         return 1
     except BrokenPipeError:

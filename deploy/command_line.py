@@ -17,6 +17,7 @@ from deploy.viewer import choose_mode, open_recording
 from wire.messages import Request
 
 Number = int | float
+Reader = Callable[[str], Number]
 DASHBOARDS = ("auto", "native", "web", "file", "off")
 
 
@@ -67,6 +68,8 @@ def _parser() -> argparse.ArgumentParser:
     bench.add_argument("--sizes", type=some, nargs="+", default=[1, 5, 15, 50], metavar="N", help=sizes)
     bench.add_argument("--rounds", type=some, default=5, help="pairs of blocks for each size (default 5)")
     bench.set_defaults(do=_bench)
+    positive = _number(float, "a number > 0", lambda value: 0 < value < math.inf)
+    _add_reproduce(commands, some, positive)
     scenarios = commands.add_parser("scenarios", help="the scenarios that come with Picket")
     scenarios.set_defaults(do=_scenarios)
     return parser
@@ -90,6 +93,16 @@ def _add_run(commands: argparse._SubParsersAction) -> None:
     run.set_defaults(do=run_scenario)
 
 
+def _add_reproduce(commands: argparse._SubParsersAction, some: Reader, positive: Reader) -> None:
+    command = commands.add_parser("reproduce", help="run what a paper ran, its tables beside ours")
+    command.add_argument("study", choices=("line-patrol",))
+    command.add_argument("--seeds", type=some, help="runs of each kind, with seeds 1, 2, ... (default 3)")
+    command.add_argument("--hours", type=positive, help="simulated hours of each run (default 24)")
+    words = "where runs, tables and figures are kept (default: reproductions)"
+    command.add_argument("--out", type=Path, metavar="DIR", help=words)
+    command.set_defaults(do=_reproduce)
+
+
 def _add_request(commands: argparse._SubParsersAction, verb: str, words: str) -> None:
     command = commands.add_parser(verb, help=words)
     command.add_argument("run", metavar="RUN")
@@ -108,7 +121,7 @@ def _add_request(commands: argparse._SubParsersAction, verb: str, words: str) ->
     command.set_defaults(do=lambda given: _request(verb, given))
 
 
-def _number(kind: type[Number], words: str, right: Callable[[Number], bool]) -> Callable[[str], Number]:
+def _number(kind: type[Number], words: str, right: Callable[[Number], bool]) -> Reader:
     """How to read an option that is a number; `words` say what is right."""
 
     def read(text: str) -> Number:
@@ -180,6 +193,12 @@ def _bench(given: argparse.Namespace) -> int:
     from deploy.bench import bench
 
     return bench(given.sizes, given.ticks, given.rounds)
+
+
+def _reproduce(given: argparse.Namespace) -> int:
+    from deploy.reproduce import reproduce
+
+    return reproduce(given)
 
 
 def _scenarios(given: argparse.Namespace) -> int:

@@ -117,8 +117,9 @@ def scenario(
         parameters = known | (parameters or {})
     kind = find_behaviour(robots.behaviour, "swarm_agent.behaviours")
     settled = msgspec.to_builtins(settled_parameters(kind, parameters or {}, 10))
-    told = {"duration_s": 40.0, "field": Grid(5, 5), "radio": RadioSection((Range(range_m),))} | fields
-    return Scenario(mission="area", robots=msgspec.structs.replace(robots, parameters=settled), **told)
+    radio = RadioSection((Range(range_m),))
+    told = {"mission": "area", "duration_s": 40.0, "field": Grid(5, 5), "radio": radio} | fields
+    return Scenario(robots=msgspec.structs.replace(robots, parameters=settled), **told)
 
 
 def scripted(

@@ -1,9 +1,10 @@
 """The overlapping patrol against its closed forms, noise off, without drain.
 
-Source: specs of the line patrol, section 6.3, after papers/line-patrol.txt, Algorithm 1 and section III-B. With
-m = min(j, o) robots over segment j, T for one segment and c for one turn:
+Source: papers/line-patrol.txt, Algorithm 1 and section III-B, worked out: with m = min(j, o) robots over segment
+j, T for one segment and c for one turn,
 
-    mean interval m_j: (o T + c) / m      longest gap at fraction x: max(2 (o - m) T + (2 - 2x) T + c, 2x T + c)
+    mean interval: (o T + c) / m, so the frequency is m / (o T + c)
+    longest gap at fraction x of the segment: max(2 (o - m) T + (2 - 2x) T + c, 2x T + c)
     variance for j >= o, c = 0: T^2 (1 - 2x)^2 / o
 """
 
@@ -47,10 +48,13 @@ def formation(folder: Path, overlap: int, turn_s: int, backwards: bool) -> dict[
         duration_s=float(period * (PERIODS + 2)),
     )
     visits: dict[tuple[int, int], list[int]] = {}
-    for tick, _, site in course(given, folder).visits():
-        if tick > period:
-            segment, place = divmod(site, 3)
-            visits.setdefault((segment + 1, place), []).append(tick)
+    for tick, node, site in course(given, folder).visits():
+        segment, place = site // 3 + 1, site % 3
+        covers = (
+            segment - overlap < int(node[1:]) - 1 <= segment
+        )  # an end is also the end of the next segment
+        if tick > period and covers:
+            visits.setdefault((segment, place), []).append(tick)
     return visits
 
 

@@ -1,7 +1,7 @@
 """The polyline patrol of the paper: teams of 6, 8 and 10 robots under every rule, its tables beside ours.
 
-Source: papers/line-patrol.txt, sections IV and V, Tables I and II, Figures 5 and 6. The paper has no numbers for
-its figures, and one run for each of its; ours are means over seeds.
+Source: papers/line-patrol.txt, sections IV and V, Tables I and II, Figures 5 and 6. The paper has no numbers
+for its figures, and one run of each kind; ours are means over seeds.
 """
 
 from collections.abc import Callable, Sequence
