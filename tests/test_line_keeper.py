@@ -57,10 +57,12 @@ def test_a_robot_that_leaves_is_replaced_by_a_chain_of_shifts():
     """Source: papers/line-patrol.txt, Algorithm 2, lines 11-18"""
     watch = deployed(rule="base")
     watch.step(101, watch.obey("r2", 100, **HOME))
-    assert watch.sent() == [("r4", 1), ("r6", 2)]
-    watch.step(110, watch.obey("r6", 109, state="out"))
+    assert watch.sent() == [("r4", 1)]
+    watch.step(110, watch.obey("r4", 109, state="out"))
+    assert watch.sent() == [("r6", 2)]
+    watch.step(120, watch.obey("r6", 119, state="out"))
     assert watch.sent() == [("r8", 3)]
-    assert watch.step(111, watch.obey("r4", 110), watch.obey("r8", 110)).report.vacant == ()
+    assert watch.step(121, watch.obey("r6", 120), watch.obey("r8", 120)).report.vacant == ()
 
 
 def test_who_is_not_charged_waits():

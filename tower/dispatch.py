@@ -45,11 +45,10 @@ def deployment_order(line: Line) -> list[int]:
 def covered(robots: Iterable[Robot], ordered: Mapping[str, int]) -> set[int]:
     """Segments that a robot patrols, is on the way to, or is ordered to take.
 
-    Who is ordered to another segment does not cover its old one, so that the robots of a chain shift at the
-    same time; who is called home covers its segment until it has left.
+    Who is ordered elsewhere covers its segment until it has left, so that the next robot of a chain sets out
+    for a segment that is clear.
     """
-    found = {segment for segment in ordered.values() if segment}
-    return found | {one.claims for one in robots if one.claims and not ordered.get(one.node)}
+    return {segment for segment in ordered.values() if segment} | {one.claims for one in robots if one.claims}
 
 
 def one_too_many(robots: Iterable[Robot], ordered: Mapping[str, int]) -> list[str]:
@@ -72,8 +71,7 @@ def next_sending(situation: Situation, line: Line, shift: bool) -> Sending | Non
     """The first robot to be sent, or None when nobody can be.
 
     With `shift` the nearest robot that patrols further inward on the same side moves out, and only where
-    there is none comes one from the queue; else robots come from the queue directly. A robot from the queue
-    is not sent while somebody still patrols the segment, about to move out.
+    there is none comes one from the queue; else robots come from the queue directly.
     """
     patrolling = {
         one.segment: one.node
@@ -81,11 +79,10 @@ def next_sending(situation: Situation, line: Line, shift: bool) -> Sending | Non
         if one.state == "patrol" and one.claims and one.node not in situation.ordered
         if one.node not in situation.busy
     }
-    occupied = {one.segment for one in situation.robots if one.state == "patrol" and one.claims}
     for vacancy in situation.vacancies:
         movers = [patrolling[one] for one in line.inward(vacancy) if one in patrolling] if shift else []
         if movers:
             return Sending(movers[0], vacancy, False)
-        if situation.waiting and vacancy not in occupied:
+        if situation.waiting:
             return Sending(situation.waiting[0].node, vacancy, True)
     return None
