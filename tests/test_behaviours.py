@@ -3,6 +3,7 @@
 import importlib
 import pkgutil
 from functools import cache
+from typing import get_args
 
 import msgspec
 import numpy as np
@@ -20,7 +21,7 @@ from tests.builders import configuration, from_robot, from_tower, percept, table
 from tests.line_builders import report, straight
 from wire import codec
 from wire.fields import Grid
-from wire.messages import Action, Frame, GoTo, Percept, Senses, Sighting
+from wire.messages import Action, Frame, Motion, Percept, Senses, Sighting
 
 
 def _discover() -> list[tuple[str, str]]:
@@ -40,6 +41,7 @@ def _discover() -> list[tuple[str, str]]:
     return found
 
 
+ON_A_LINE = ("line_patrol", "overlap_patrol", "line_keeper")
 DISCOVERED = _discover()
 every_behaviour = pytest.mark.parametrize(("package", "name"), DISCOVERED, ids=lambda one: one)
 
@@ -48,9 +50,7 @@ def first(package: str, name: str, generator_key: tuple[int, ...] = (1, 2)) -> P
     """The first percept of a node with this behaviour, on a small field, in the paper's team of ten."""
     parameters = settled_parameters(find_behaviour(name, package), {}, 10)
     node = "r1" if package == "tower" else "r2"
-    place = (
-        {"field": straight(), "tower_m": (30.0, 0.0)} if name.startswith("line_") else {"field": Grid(6, 6)}
-    )
+    place = {"field": straight(), "tower_m": (30.0, 0.0)} if name in ON_A_LINE else {"field": Grid(6, 6)}
     told = configuration(node, name, msgspec.to_builtins(parameters), generator_key=generator_key, **place)
     return percept(0, 2.0, 3.0, why="start", configuration=told)
 
@@ -149,7 +149,7 @@ def test_answers_are_actions_that_carry_the_grants_number_and_tick(package, name
         action = codec.decode(Action, answer)
         assert (action.tick, action.grant) == (given_percept.tick, given_percept.grant)
         assert action.wake_tick is None or action.wake_tick > action.tick
-        assert isinstance(action.motion, (GoTo, type(None))) or action.motion.__class__.__name__ == "Stay"
+        assert isinstance(action.motion, (*get_args(Motion), type(None)))
 
 
 @every_behaviour
@@ -162,7 +162,7 @@ def test_what_a_behaviour_says_it_understands(package, name):
 
 @every_behaviour
 def test_the_tower_understands_the_news_of_every_behaviour_that_speaks(package, name):
-    on_a_line = name.startswith("line_")
+    on_a_line = name in ON_A_LINE
     station = find_behaviour("line_keeper" if on_a_line else "base_station", "tower")
     for answer in answers(package, a_life(package, name)):
         for payload in codec.decode(Action, answer).outbox:
