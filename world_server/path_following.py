@@ -26,7 +26,7 @@ Point = tuple[float, float]
 class Drive(NamedTuple):
     """How bodies of a team move. `noise_sd`: a fraction of full speed and full turn, over one second.
 
-    `look_ahead_m`: how far ahead on its leg a body aims. `reach_m`: a path's first point counts as reached
+    `look_ahead_m`: how far ahead on its leg a body aims, at least the step of a tick, else it sways; `reach_m`: a path's first point counts as reached
     this near to it, as a noisy body stands only about where it was sent.
     """
 
@@ -156,7 +156,7 @@ class PathBody(Body):
     def _go(self, left_s: float, speed: float, stray_rad: float) -> float:
         """Drive towards the next point of the path. Returns the time that is left when it is reached."""
         leg, bearing = self._leg, self._bearing()
-        towards = bearing + stray_rad
+        towards = bearing + stray_rad / 2  # the chord of a tick in which the heading drifts by all of it
         way_x, way_y = math.cos(towards), math.sin(towards)
         self.heading_rad = wrapped(self._wanted_rad(bearing) + stray_rad)
         gain = speed * (way_x * leg.way[0] + way_y * leg.way[1])

@@ -3,8 +3,6 @@
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
 from wire.line import Line
 from world_server.nodes import DEAD, Node
 from world_server.path_following import NEAR_M, PathBody, Point, State
@@ -24,37 +22,44 @@ class Traffic:
         self._body_m = body_m
         self._robots = robots
         self._bodies: list[PathBody] = [robot.body for robot in robots]
-        self._pairs = np.triu_indices(len(robots), 1)
         self._close: set[tuple[int, int]] = set()
 
-    def move(self, tick_s: float, draws: Sequence[Point]) -> None:
-        """One tick of all bodies. `draws`: what chance adds to speed and heading of each."""
-        for robot, body, draw in zip(self._robots, self._bodies, draws, strict=True):
+    def move(self, tick_s: float, draws: Sequence[Point]) -> list[int]:
+        """One tick of all bodies. `draws`: what chance adds to speed and heading of each.
+
+        Returns the rows of those that were on their way.
+        """
+        moving = []
+        for row, (robot, body, draw) in enumerate(zip(self._robots, self._bodies, draws, strict=True)):
             if body.at_rest:
                 robot.blocked_by = None
                 continue
+            moving.append(row)
             before, arrived = body.state, body.arrived
             body.advance(tick_s, draw)
             if self._body_m > 0:
                 self._stop_short(robot, body, before)
             if body.arrived and not arrived:
                 robot.arrival_pending = True
+        return moving
 
-    def incidents(self, positions_m: np.ndarray, on_line: np.ndarray) -> tuple[tuple[str, str], ...]:
+    def incidents(self, on_line: Sequence[bool]) -> tuple[tuple[str, str], ...]:
         """Pairs, not both dead, that are closer on the line than bodies may be and were not a tick ago."""
         if self._body_m == 0:
             return ()
-        one, other = self._pairs
-        away = positions_m[one] - positions_m[other]
-        close = (away * away).sum(axis=1) < (self._body_m - NEAR_M) ** 2
-        found = set()
-        for pair in np.flatnonzero(close).tolist() if close.any() else ():
-            rows = int(one[pair]), int(other[pair])
-            alive = any(self._robots[row].mode != DEAD for row in rows)
-            if alive and on_line[rows[0]] and on_line[rows[1]]:
-                found.add(rows)
+        robots = self._robots
+        there = [(row, body.x_m, body.y_m) for row, body in enumerate(self._bodies) if on_line[row]]
+        closest_m, found = self._body_m - NEAR_M, set()
+        for place, (row, x_m, y_m) in enumerate(there):
+            for other, other_x_m, other_y_m in there[place + 1 :]:
+                near = (
+                    abs(x_m - other_x_m) < closest_m
+                    and math.hypot(x_m - other_x_m, y_m - other_y_m) < closest_m
+                )
+                if near and not robots[row].mode == robots[other].mode == DEAD:
+                    found.add((row, other))
         new, self._close = sorted(found - self._close), found
-        return tuple((self._robots[row].name, self._robots[another].name) for row, another in new)
+        return tuple([(robots[row].name, robots[other].name) for row, other in new])
 
     def on_line(self, position_m: Point) -> bool:
         """Is this place on the line itself, not beside it?"""

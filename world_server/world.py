@@ -89,7 +89,7 @@ class World:
             self.poses().tobytes(),
             self._goals().tobytes(),
             bytes([node.mode for node in self._rows]),
-            np.stack([deliveries.senders, deliveries.receivers], axis=1).astype("<u2").tobytes(),
+            _links(deliveries),
             visits + more_visits,
             tuple([(name, actions[name].report) for name in answered if actions[name].report]),
             faults,
@@ -226,7 +226,16 @@ def _names(seen: tuple[Sighting, ...]) -> tuple[str, ...]:
     return tuple(one.node for one in seen)
 
 
+def _links(deliveries: radio.Deliveries) -> bytes:
+    """The deliveries as Facts keep them."""
+    if not len(deliveries.senders):
+        return b""
+    return np.stack([deliveries.senders, deliveries.receivers], axis=1).astype("<u2").tobytes()
+
+
 def _columns(deliveries: radio.Deliveries) -> tuple[bytes, ...]:
     """The deliveries as Commit keeps them."""
+    if not len(deliveries.senders):
+        return (b"",) * 4
     types = ("<u2", "<u2", "<u2", "<u4")
     return tuple(column.astype(kind).tobytes() for column, kind in zip(deliveries, types, strict=True))
