@@ -7,7 +7,7 @@ import pytest
 
 from tests.builders import AWAKE, STRAIGHT, course, on_line
 from wire.scenario import BatterySection, PlannedFault
-from world_server.battery import Batteries, Doing
+from world_server.battery import QUEUEING, TRAVELLING, Batteries
 
 FULL = BatterySection(9.0, 8.0, 0.0, patrolling_v_h=3.6, travelling_v_h=7.2, queueing_v_h=1.8)
 """A thousandth of a volt a second on the line, two on the way, half of one in the queue."""
@@ -23,7 +23,7 @@ def modes(run, row=1) -> list[int]:
 
 
 def test_every_place_has_its_drain(tmp_path):
-    """Source: section V of the paper gives volts per hour on patrol; queue and passing lane are our choice."""
+    """Source: the line-patrol paper gives volts per hour on patrol; queue and passing lane are our choice."""
     poses = [SLOT, (5.0, 0.0), (5.0, 0.3), SLOT]
     run = course(on_line({}, poses, battery=FULL), tmp_path, 9)
     assert [volts(run, row)[-1] for row in (1, 2, 3)] == pytest.approx([8.995, 8.99, 8.98], abs=1e-5)
@@ -75,12 +75,12 @@ def test_charging_takes_its_time_and_then_the_queue_drains(tmp_path):
     one.dock(0)
     course_v = []
     for _ in range(6):
-        one.use(0, Doing.QUEUEING)
+        one.use(0, QUEUEING)
         course_v.append(one.volts[0])
     assert course_v == pytest.approx([8.65, 8.75, 8.85, 8.95, 9.0, 8.5])
     one.dock(0)
-    one.use(0, Doing.TRAVELLING)
-    one.use(0, Doing.QUEUEING)
+    one.use(0, TRAVELLING)
+    one.use(0, QUEUEING)
     assert one.volts[0] < 8.5  # who left is not charged when it comes back
 
 

@@ -218,7 +218,7 @@ def test_the_same_run_twice_is_the_same_to_the_last_byte(tmp_path):
 
 
 def test_noise_depends_on_the_robot_and_the_tick_only(tmp_path):
-    """Whoever else moves, and however long it has stood: the same robot has the same luck at the same tick."""
+    """Whoever else moves, and however long it stood: the same robot has the same luck at the same tick."""
     late = {"wake_ticks": [10], "follow": {"10": [(20.0, 0.0)]}}
     alone = course(noisy({"r3": late}, [(0.0, 0.0), (8.0, 0.0)]), tmp_path / "a")
     among = course(noisy({"r3": late, "r2": TO_THE_RIGHT}, [(0.0, 0.0), (8.0, 0.0)]), tmp_path / "b")

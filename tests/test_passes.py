@@ -79,7 +79,7 @@ def test_visits_are_the_crossings_of_a_site(arcs):
 
 
 def test_ends_are_visited_twice_each_period_and_the_middle_each_leg(tmp_path):
-    """Source: section III of the paper: gaps 2 x T and 2 (1 - x) T, T at the middle, 0 and 2 T at the ends."""
+    """Source: the paper's analysis: gaps 2 x T and 2 (1 - x) T, T at the middle, 0 and 2 T at the ends."""
     script = {"r2": {"follow": {"0": ENDS * 10}, "backwards": True}}
     run = course(on_line(script, [(0.0, 0.0)]), tmp_path)
     ticks = {
@@ -135,7 +135,7 @@ def test_only_the_living_visit(tmp_path):
 
 
 def test_a_noisy_robot_visits_every_end_twice_and_every_middle_once(tmp_path):
-    """A segment of a metre at 0.1 m/s with noise on both velocities: no lap is missed, none counted double."""
+    """A segment of a metre at 0.1 m/s with noise on both velocities: no lap is missed, none counts twice."""
     field = Polyline(((0.0, 0.0), (3.0, 0.0)), ((1.0, 2.0),))
     laps = [(2.0, 0.0), (1.0, 0.0)] * 100
     body = {"max_speed_m_s": 0.1, "max_turn_rad_s": 1.57, "noise_sd": 0.125}

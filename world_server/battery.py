@@ -1,6 +1,5 @@
 """Charge: what robots lose by what the world sees them do, and what they gain at their place in the queue."""
 
-import enum
 from collections.abc import Sequence
 
 from wire.channels import number_of
@@ -10,13 +9,8 @@ from world_server.chance import generator
 SECONDS_PER_HOUR = 3600.0
 
 
-class Doing(enum.Enum):
-    """What a robot does, as its place tells the world."""
-
-    PATROLLING = "on the line"
-    TRAVELLING = "anywhere else"
-    QUEUEING = "at rest at its place in the queue"
-    NOTHING = "dead"
+PATROLLING, TRAVELLING, QUEUEING, NOTHING = range(4)
+"""What a robot does: it is on the line, anywhere else, at rest at its place in the queue, or dead."""
 
 
 class Batteries:
@@ -25,21 +19,17 @@ class Batteries:
     def __init__(self, section: BatterySection, robots: Sequence[str], seed: int, tick_s: float) -> None:
         self._section = section
         hours = tick_s / SECONDS_PER_HOUR
-        self._spent_v = {
-            Doing.PATROLLING: section.patrolling_v_h * hours,
-            Doing.TRAVELLING: section.travelling_v_h * hours,
-            Doing.QUEUEING: section.queueing_v_h * hours,
-            Doing.NOTHING: 0.0,
-        }
+        drains_v_h = (section.patrolling_v_h, section.travelling_v_h, section.queueing_v_h, 0.0)
+        self._spent_v = [drain_v_h * hours for drain_v_h in drains_v_h]
         span_v = section.full_v - section.empty_v
         self._gained_v = span_v * tick_s / section.charge_s if section.charge_s else span_v
         draws = [float(generator(seed, "battery", number_of(robot)).standard_normal()) for robot in robots]
         self.volts = [section.full_v - section.start_sd_v * abs(draw) for draw in draws]
         self._charging = [False] * len(robots)
 
-    def use(self, row: int, doing: Doing) -> None:
+    def use(self, row: int, doing: int) -> None:
         """One tick of what a robot does; one that is charging gains charge until it is full or leaves."""
-        if self._charging[row] and doing is Doing.QUEUEING:
+        if self._charging[row] and doing == QUEUEING:
             self.volts[row] = min(self._section.full_v, self.volts[row] + self._gained_v)
             self._charging[row] = self.volts[row] < self._section.full_v
         else:

@@ -9,7 +9,7 @@ IN_BAND_LANES = 1.5
 LEFT, NEITHER, RIGHT = -1, 0, 1
 
 Between = tuple[int, int]
-"""How many sites a robot has reached, counted from the first point of the line, and how many it has behind it."""
+"""How many sites a robot has reached, seen from the first point of the line, and how many lie behind it."""
 NO_VISITS: tuple[list[int], list[int]] = ([], [])
 
 

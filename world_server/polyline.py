@@ -11,7 +11,7 @@ from wire.messages import Action, Dock, Pose
 from wire.scenario import Scenario
 from world_server import chance
 from world_server.area import Pairs, Visits
-from world_server.battery import Batteries, Doing
+from world_server.battery import NOTHING, PATROLLING, QUEUEING, TRAVELLING, Batteries
 from world_server.motion import Body
 from world_server.nodes import ALIVE, DEAD, Node
 from world_server.passes import AT_SITE_M, Passes
@@ -127,20 +127,21 @@ class LinePatrol:
         node = self._robots[robot]
         arc_m, aside_m = self._line.locate((node.body.x_m, node.body.y_m))
         self._on_line[robot] = abs(aside_m) <= self._line.lane_m / 2
-        turns_m = [self._line.locate(point)[0] for point in node.body.passed]
+        passed = node.body.passed
+        turns_m = [self._line.locate(point)[0] for point in passed] if passed else ()
         departures, arrivals = self._passes.follow(robot, arc_m, aside_m, turns_m)
         if node.mode != ALIVE:
             return []
         self._arrivals += [(node.name, site) for site in arrivals]
         return [(node.name, site) for site in departures]
 
-    def _doing(self, robot: int, node: Node) -> Doing:
+    def _doing(self, robot: int, node: Node) -> int:
         """What a robot does, by the world's own judgement."""
         if node.mode == DEAD:
-            return Doing.NOTHING
+            return NOTHING
         if self._on_line[robot]:
-            return Doing.PATROLLING
-        return Doing.QUEUEING if node.body.at_rest and self._queueing(node) else Doing.TRAVELLING
+            return PATROLLING
+        return QUEUEING if node.body.at_rest and self._queueing(node) else TRAVELLING
 
     def _queueing(self, node: Node) -> bool:
         """Is a robot at its own place in the queue?"""

@@ -12,9 +12,9 @@ class Traffic:
     """Moves the robots, one after the other in order of their numbers.
 
     Reflex: a body on the line, at most half a lane from it, makes no step that would bring it within `body_m`
-    of another robot on the line, living or not, while it approaches it or comes from beside the line: it stands
-    still and goes on by itself once the way is clear. Each is judged against where the others are by then, so
-    no step breaks the distance. Passing lane and queue know no such rule.
+    of another robot on the line, living or not, while it approaches it or comes from beside the line. It
+    stands still, and goes on by itself once the way is clear. Each is judged against where the others are by
+    then, so no step breaks the distance. Passing lane and queue know no such rule.
     """
 
     def __init__(self, line: Line, body_m: float, robots: Sequence[Node]) -> None:
@@ -22,6 +22,7 @@ class Traffic:
         self._body_m = body_m
         self._robots = robots
         self._bodies: list[PathBody] = [robot.body for robot in robots]
+        self._places: list[Point] = []
         self._close: set[tuple[int, int]] = set()
 
     def move(self, tick_s: float, draws: Sequence[Point]) -> list[int]:
@@ -30,6 +31,7 @@ class Traffic:
         Returns the rows of those that were on their way.
         """
         moving = []
+        self._places = [(body.x_m, body.y_m) for body in self._bodies]
         for row, (robot, body, draw) in enumerate(zip(self._robots, self._bodies, draws, strict=True)):
             if body.at_rest:
                 robot.blocked_by = None
@@ -38,7 +40,7 @@ class Traffic:
             before, arrived = body.state, body.arrived
             body.advance(tick_s, draw)
             if self._body_m > 0:
-                self._stop_short(robot, body, before)
+                self._stop_short(row, before)
             if body.arrived and not arrived:
                 robot.arrival_pending = True
         return moving
@@ -65,29 +67,32 @@ class Traffic:
         """Is this place on the line itself, not beside it?"""
         return abs(self._line.locate(position_m)[1]) <= self._line.lane_m / 2
 
-    def _stop_short(self, robot: Node, body: PathBody, before: State) -> None:
-        """Undo the step if it leads too near to somebody."""
-        stepped = (body.x_m, body.y_m) != (before.x_m, before.y_m)
-        blocker = self._in_the_way(body, (before.x_m, before.y_m)) if stepped else None
-        if blocker is not None:
+    def _stop_short(self, row: int, before: State) -> None:
+        """Undo a robot's step if it leads too near to somebody."""
+        robot, body, stood = self._robots[row], self._bodies[row], self._places[row]
+        place = (body.x_m, body.y_m)
+        if place == stood:
+            return
+        blocker = self._in_the_way(row, stood, place)
+        robot.hold_up(blocker, self._body_m)
+        if blocker is None:
+            self._places[row] = place
+        else:
             body.put_back(before)
-        if stepped:
-            robot.hold_up(blocker, self._body_m)
 
-    def _in_the_way(self, body: PathBody, before: Point) -> str | None:
-        """The nearest robot that forbids the step from `before` to where the body is now."""
-        x_m, y_m = after = (body.x_m, body.y_m)
+    def _in_the_way(self, row: int, before: Point, after: Point) -> str | None:
+        """The nearest robot that forbids a robot the step from `before` to `after`."""
         reach_m = self._body_m + math.dist(before, after)
+        x_m, y_m = after
         found: list[tuple[float, int]] = []
-        for row, other in enumerate(self._bodies):
-            if other is body or abs(other.x_m - x_m) > reach_m or abs(other.y_m - y_m) > reach_m:
+        for other, place in enumerate(self._places):
+            if other == row or abs(place[0] - x_m) > reach_m or abs(place[1] - y_m) > reach_m:
                 continue
-            place = (other.x_m, other.y_m)
             apart_m = _passing_m(before, after, place)
             if apart_m < self._body_m - NEAR_M and self.on_line(after) and self.on_line(place):
                 approaching = apart_m < math.dist(before, place) - NEAR_M
                 if approaching or not self.on_line(before):
-                    found.append((apart_m, row))
+                    found.append((apart_m, other))
         return self._robots[min(found)[1]].name if found else None
 
 
