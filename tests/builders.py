@@ -1,5 +1,6 @@
 """Builders that tests share: small scenarios, percepts, facts, and rehearsals whose course is kept."""
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,13 +15,14 @@ from swarm_agent.behaviours.lr_pt import Duty, LrPt, LrPtParameters
 from swarm_agent.knowledge import Bulletin, News
 from tests.scripted import Log
 from wire import codec
-from wire.fields import Grid
+from wire.fields import Grid, Polyline
 from wire.messages import Configuration, Facts, Frame, Percept, Pose, Senses, Sighting
-from wire.scenario import PlannedFault, Poses, RadioSection, Range, Robots, Scenario, TowerSection
+from wire.scenario import InQueue, PlannedFault, Poses, RadioSection, Range, Robots, Scenario, TowerSection
 from world_server.journal import commits
 
 NO_NEWS = News(b"")
 TALK = {"every_tick": True, "say_always": "hello"}
+STILL = "swarm_agent.behaviours.stand_still:StandStill"
 AWAKE = {"every_tick": True}
 
 
@@ -128,7 +130,7 @@ def scripted(
     """A scenario of scripted robots r2, r3, ... at these positions, with a tower that is mute."""
     places = tuple((float(x_m), float(y_m), 0.0) for x_m, y_m in poses)
     robots = fields.pop("robots", Robots("tests.scripted:Scripted", len(places)))
-    mute = TowerSection(behaviour="swarm_agent.behaviours.stand_still:StandStill")
+    mute = TowerSection(behaviour=STILL)
     told = {"parameters": {"scripts": scripts}, "poses": places, "tower": mute} | fields
     return scenario(robots, **told)
 
@@ -205,3 +207,28 @@ def chosen(one: LrPt, tick=1000, at=CENTRE_0, heard=(), completed=0, in_sight=()
     """Let a robot choose at a place and a tick; returns its goal and its target."""
     one.choose_target(percept(tick, *at, in_sight=in_sight), list(heard), completed)
     return one.goal, one.target
+
+
+STRAIGHT = Polyline(((0.0, 0.0), (40.0, 0.0)), 4)
+"""Four segments of 10 m along the x axis."""
+
+
+def on_line(
+    scripts: dict[str, dict[str, Any]],
+    poses: Iterable[tuple[float, float]] | int,
+    field: Polyline = STRAIGHT,
+    tower_m: tuple[float, float] = (20.0, 0.0),
+    robots: dict[str, Any] | None = None,
+    **fields: Any,
+) -> Scenario:
+    """A scenario of mission "line" with scripted robots r2, r3, ... at these places, or so many in the queue.
+
+    They go 1 m/s, turn half round in a second, and keep no distance, unless told otherwise.
+    """
+    places = () if isinstance(poses, int) else tuple((float(x_m), float(y_m), 0.0) for x_m, y_m in poses)
+    start = Poses(places) if places else InQueue()
+    body = {"max_speed_m_s": 1.0, "max_turn_rad_s": math.pi, "sensor_range_m": 1.0} | (robots or {})
+    team = Robots("tests.scripted:Scripted", len(places) or poses, start=start, **body)
+    still = TowerSection(behaviour=STILL, x_m=tower_m[0], y_m=tower_m[1])
+    told = {"parameters": {"scripts": scripts}, "tower": still} | fields
+    return msgspec.structs.replace(scenario(team, field=field, **told), mission="line")

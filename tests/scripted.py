@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import msgspec
 
 from swarm_agent.behaviour import Behaviour, Heard, Move, Parameters
-from wire.messages import GoTo, Percept, Stay
+from wire.messages import Dock, Follow, GoTo, Motion, Percept, Stay
 
 
 class Note(msgspec.Struct, frozen=True, array_like=True):
@@ -15,7 +15,10 @@ class Note(msgspec.Struct, frozen=True, array_like=True):
 
 
 class Script(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One robot's part. `go`: tick -> [x_m, y_m, within_m], an empty list stays. `say`: tick -> texts."""
+    """One robot's part. `go`: tick -> [x_m, y_m, within_m], an empty list stays. `say`: tick -> texts.
+
+    `follow`: tick -> the points of a path. `dock`: ticks.
+    """
 
     wake_ticks: tuple[int, ...] = ()
     every_tick: bool = False
@@ -24,6 +27,9 @@ class Script(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     say: dict[str, tuple[str, ...]] = {}
     say_always: str = ""
     fail_at: int = -1
+    follow: dict[str, tuple[tuple[float, float], ...]] = {}
+    backwards: bool = False
+    dock: tuple[int, ...] = ()
 
 
 class Log(msgspec.Struct, frozen=True, array_like=True):
@@ -37,6 +43,10 @@ class Log(msgspec.Struct, frozen=True, array_like=True):
     refused_frames: int
     grants: int
     draw: float
+    arrived: bool
+    travelled_m: float
+    blocked_by: str | None
+    battery_v: float | None
 
 
 class ScriptedParameters(Parameters, frozen=True):
@@ -62,12 +72,20 @@ class Scripted(Behaviour):
         if tick == script.fail_at:
             raise RuntimeError("as the script says")
         self.grants += 1
-        where = script.go.get(str(tick))
-        motion = None if where is None else GoTo(*where) if where else Stay()
         said = script.say.get(str(tick), ()) + ((script.say_always,) if script.say_always else ())
         later = [one for one in script.wake_ticks if one > tick]
         wake = tick + 1 if script.every_tick else min(later, default=None)
-        return Move(motion, tuple(map(Note, said)), wake, script.wake_on, self._log(percept, heard))
+        return Move(
+            self._motion(tick), tuple(map(Note, said)), wake, script.wake_on, self._log(percept, heard)
+        )
+
+    def _motion(self, tick: int) -> Motion | None:
+        script, where = self.script, self.script.go.get(str(tick))
+        if tick in script.dock:
+            return Dock()
+        if str(tick) in script.follow:
+            return Follow(script.follow[str(tick)], script.backwards)
+        return None if where is None else GoTo(*where) if where else Stay()
 
     def _log(self, percept: Percept, heard: Sequence[Heard]) -> Log:
         senses = percept.senses
@@ -80,4 +98,8 @@ class Scripted(Behaviour):
             senses.refused_frames,
             self.grants,
             self.generator.random(),
+            senses.arrived,
+            senses.travelled_m,
+            senses.blocked_by,
+            senses.battery_v,
         )

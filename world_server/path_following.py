@@ -26,8 +26,9 @@ Point = tuple[float, float]
 class Drive(NamedTuple):
     """How bodies of a team move. `noise_sd`: a fraction of full speed and full turn, over one second.
 
-    `look_ahead_m`: how far ahead on its leg a body aims. `reach_m`: a path's first point counts as reached
-    this near to it, as a noisy body stands only about where it was sent.
+    `look_ahead_m`: how far ahead on its leg a body aims, at least the step of a tick, else it sways.
+    `reach_m`: a path's first point counts as reached this near to it, as a noisy body stands only about where
+    it was sent.
     """
 
     max_speed_m_s: float
@@ -142,7 +143,7 @@ class PathBody(Body):
 
     def _turn(self, left_s: float) -> float:
         """Turn in place towards the way ahead. Returns the time that is left."""
-        wanted = self._wanted_rad(self._bearing())
+        wanted = self._wanted_rad(self._bearing(self._along(self._leg)))
         error = wrapped(wanted - self.heading_rad)
         needed_s = abs(error) / self._drive.max_turn_rad_s
         if needed_s > left_s + INSTANT_S:
@@ -155,12 +156,14 @@ class PathBody(Body):
 
     def _go(self, left_s: float, speed: float, stray_rad: float) -> float:
         """Drive towards the next point of the path. Returns the time that is left when it is reached."""
-        leg, bearing = self._leg, self._bearing()
-        towards = bearing + stray_rad
+        leg = self._leg
+        along_m = self._along(leg)
+        bearing = self._bearing(along_m)
+        towards = bearing + stray_rad / 2  # the chord of a tick in which the heading drifts by all of it
         way_x, way_y = math.cos(towards), math.sin(towards)
         self.heading_rad = wrapped(self._wanted_rad(bearing) + stray_rad)
         gain = speed * (way_x * leg.way[0] + way_y * leg.way[1])
-        rest_m = leg.length_m - self._along(leg)
+        rest_m = leg.length_m - along_m
         if gain * left_s < rest_m - NEAR_M:
             self.x_m += speed * left_s * way_x
             self.y_m += speed * left_s * way_y
@@ -200,14 +203,13 @@ class PathBody(Body):
         length_m = math.dist(origin, path_m[place])
         way = ((path_m[place][0] - origin[0]) / length_m, (path_m[place][1] - origin[1]) / length_m)
         self._leg = Leg(path_m, place, origin, way, length_m, done_m, backwards, turning=False)
-        error = wrapped(self._wanted_rad(self._bearing()) - self.heading_rad)
+        error = wrapped(self._wanted_rad(self._bearing(self._along(self._leg))) - self.heading_rad)
         if abs(error) > SHARP_RAD:
             self._leg = self._leg._replace(turning=True)
 
-    def _bearing(self) -> float:
+    def _bearing(self, along_m: float) -> float:
         """The direction of the point that it aims at, ahead on its leg or on the leg's continuation."""
-        leg = self._leg
-        ahead_m = self._along(leg) + self._drive.look_ahead_m
+        leg, ahead_m = self._leg, along_m + self._drive.look_ahead_m
         away_x = leg.origin[0] + ahead_m * leg.way[0] - self.x_m
         away_y = leg.origin[1] + ahead_m * leg.way[1] - self.y_m
         return math.atan2(away_y, away_x)

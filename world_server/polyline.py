@@ -11,10 +11,10 @@ from wire.messages import Action, Dock, Pose
 from wire.scenario import Scenario
 from world_server import chance
 from world_server.area import Pairs, Visits
-from world_server.battery import Batteries
+from world_server.battery import NOTHING, PATROLLING, QUEUEING, TRAVELLING, Batteries
 from world_server.motion import Body
 from world_server.nodes import ALIVE, DEAD, Node
-from world_server.passes import AT_SITE_M, Passes, Places, Visit
+from world_server.passes import AT_SITE_M, Passes
 from world_server.path_following import NEAR_M, Drive, PathBody
 from world_server.traffic import Traffic
 
@@ -29,14 +29,12 @@ class LinePatrol:
         self._scenario = scenario
         self._line = Line(scenario.field, (scenario.tower.x_m, scenario.tower.y_m))
         self._drive = _drive(scenario)
-        self._places = Places(scenario.field.points_m)
         names = scenario.robot_ids
         self._slots = {name: self._line.slot(row) for row, name in enumerate(names)}
-        self._slots_m = np.array(list(self._slots.values()))
         self._within_m = scenario.field.slot_m / 2 + DOCK_SLACK_M
         near_m = max(AT_SITE_M, self._drive.reach_m if scenario.robots.noise_sd > 0 else 0.0)
         self._passes = Passes(self._line.sites_m(), near_m, self._line.lane_m, len(names))
-        self._arrivals: list[Visit] = []
+        self._arrivals: list[tuple[str, int]] = []
         section = scenario.battery
         self._batteries = section and Batteries(section, names, scenario.seed, scenario.tick_s)
         self._rows = [row for row, name in enumerate(scenario.node_ids) if name != scenario.tower.id]
@@ -53,8 +51,9 @@ class LinePatrol:
         """All nodes stand where they begin."""
         self._robots = [nodes[row] for row in self._rows]
         self._traffic = Traffic(self._line, self._scenario.robots.body_m, self._robots)
-        _, self._arrivals = self._passes.follow(*self._places.locate(self._positions_m()), {})
+        self._on_line = [False] * len(self._robots)
         for robot in range(len(self._robots)):
+            self._watch(robot)
             self._fall_flat_if_empty(robot)
 
     @property
@@ -66,29 +65,28 @@ class LinePatrol:
         """What a node's battery says; the tower has none."""
         if self._batteries is None or row not in self._robot_of:
             return None
-        return float(self._batteries.volts[self._robot_of[row]])
+        return self._batteries.volts[self._robot_of[row]]
 
     def volts(self) -> bytes:
         """The charge of all nodes as Facts keep it: the tower's is NaN."""
         if self._batteries is None:
             return b""
-        volts = np.full(len(self._rows) + 1, np.nan, dtype="<f4")
-        volts[self._rows] = self._batteries.volts
-        return volts.tobytes()
+        volts = [math.nan] * (len(self._rows) + 1)
+        for row, charge_v in zip(self._rows, self._batteries.volts, strict=True):
+            volts[row] = charge_v
+        return np.array(volts, dtype="<f4").tobytes()
 
     def visits(self) -> Visits:
         """The visits of the last tick's motion."""
         arrivals, self._arrivals = self._arrivals, []
-        return self._named(arrivals)
+        return tuple(arrivals)
 
     def acted(self, row: int, action: Action) -> None:
         """Docking is charging, at the robot's own place in the queue; any other motion ends it."""
         robot = self._robot_of.get(row)
         if self._batteries is None or robot is None or action.motion is None:
             return
-        body, slot = self._robots[robot].body, self._slots[self._robots[robot].name]
-        at_place = math.dist((body.x_m, body.y_m), slot) <= self._within_m
-        if isinstance(action.motion, Dock) and at_place:
+        if isinstance(action.motion, Dock) and self._queueing(self._robots[robot]):
             self._batteries.dock(robot)
         else:
             self._batteries.undock(robot)
@@ -104,36 +102,52 @@ class LinePatrol:
             node.recharge()
             if self._batteries is not None:
                 self._batteries.refill(robot)
+            self._watch(robot)
         self._fall_flat_if_empty(robot)
 
     def settle(self, tick: int) -> tuple[Visits, Pairs]:
         """One tick of all bodies. Returns further visits of the tick, and who has come too close to whom."""
-        self._traffic.move(self._scenario.tick_s, self._chance(tick))
-        positions_m = self._positions_m()
-        arcs_m, asides_m = self._places.locate(positions_m)
-        on_line = np.abs(asides_m) <= self._line.lane_m / 2
+        departures = [
+            visit
+            for robot in self._traffic.move(self._scenario.tick_s, self._chance(tick))
+            for visit in self._watch(robot)
+        ]
         if self._batteries is not None:
-            self._drain(positions_m, on_line)
-        turns_m = {
-            robot: [self._line.locate(point)[0] for point in node.body.passed]
-            for robot, node in enumerate(self._robots)
-            if node.body.passed
-        }
-        departures, arrivals = self._passes.follow(arcs_m, asides_m, turns_m)
-        self._arrivals = self._living(arrivals)
-        return self._named(self._living(departures)), self._traffic.incidents(positions_m, on_line)
+            for robot, node in enumerate(self._robots):
+                self._batteries.use(robot, self._doing(robot, node))
+                self._fall_flat_if_empty(robot)
+        return tuple(departures), self._traffic.incidents(self._on_line)
 
-    def _drain(self, positions_m: np.ndarray, on_line: np.ndarray) -> None:
-        away = positions_m - self._slots_m
-        resting = np.array([node.body.at_rest for node in self._robots])
-        queueing = resting & ((away * away).sum(axis=1) <= self._within_m**2)
-        dead = np.array([node.mode == DEAD for node in self._robots])
-        for robot in self._batteries.use(queueing, on_line, dead):
-            self._fall_flat_if_empty(robot)
+    def _watch(self, robot: int) -> list[tuple[str, int]]:
+        """Where a robot has come to. Returns its departures from sites; its arrivals are kept for later."""
+        node = self._robots[robot]
+        arc_m, aside_m = self._line.locate((node.body.x_m, node.body.y_m))
+        self._on_line[robot] = abs(aside_m) <= self._line.lane_m / 2
+        passed = node.body.passed
+        turns_m = [self._line.locate(point)[0] for point in passed] if passed else ()
+        departures, arrivals = self._passes.follow(robot, arc_m, aside_m, turns_m)
+        if node.mode != ALIVE:
+            return []
+        self._arrivals += [(node.name, site) for site in arrivals]
+        return [(node.name, site) for site in departures]
+
+    def _doing(self, robot: int, node: Node) -> int:
+        """What a robot does, by the world's own judgement."""
+        if node.mode == DEAD:
+            return NOTHING
+        if self._on_line[robot]:
+            return PATROLLING
+        return QUEUEING if node.body.at_rest and self._queueing(node) else TRAVELLING
+
+    def _queueing(self, node: Node) -> bool:
+        """Is a robot at its own place in the queue?"""
+        slot_m = self._slots[node.name]
+        return math.dist((node.body.x_m, node.body.y_m), slot_m) <= self._within_m
 
     def _fall_flat_if_empty(self, robot: int) -> None:
-        if self._batteries is not None and self._batteries.is_empty(robot):
-            self._robots[robot].run_flat()
+        node = self._robots[robot]
+        if self._batteries is not None and not node.flat and self._batteries.is_empty(robot):
+            node.run_flat()
 
     def _chance(self, tick: int) -> Sequence[Sequence[float]]:
         """Two normal numbers for every robot, whether it moves or not: blocks are drawn ahead of time."""
@@ -149,15 +163,6 @@ class LinePatrol:
             ]
             self._draws, self._draws_block = np.stack(drawn, axis=1), block
         return self._draws[row].tolist()
-
-    def _positions_m(self) -> np.ndarray:
-        return np.array([(node.body.x_m, node.body.y_m) for node in self._robots])
-
-    def _living(self, visits: list[Visit]) -> list[Visit]:
-        return [visit for visit in visits if self._robots[visit[0]].mode == ALIVE]
-
-    def _named(self, visits: list[Visit]) -> Visits:
-        return tuple((self._robots[robot].name, site) for robot, site in sorted(visits))
 
 
 def _drive(scenario: Scenario) -> Drive:

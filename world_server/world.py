@@ -47,20 +47,25 @@ class World:
         self.oversize: dict[str, int] = {}
         """How many frames the radio refused for the byte limit in the last commit, by sender."""
         self._sensor_ranges_m = np.array([node.sensor_range_m for node in self._rows])
+        self._poses: np.ndarray | None = None
         self._apart_m: np.ndarray | None = None
         self._mission.begin(self._rows)
 
     def poses(self) -> np.ndarray:
         """x_m, y_m, heading_rad of every node: float64, (nodes, 3)."""
-        bodies = [node.body for node in self._rows]
-        return np.array([(body.x_m, body.y_m, body.heading_rad) for body in bodies], dtype="<f8")
+        if self._poses is None:
+            bodies = [node.body for node in self._rows]
+            self._poses = np.array([(one.x_m, one.y_m, one.heading_rad) for one in bodies], dtype="<f8")
+        return self._poses
 
     def percepts(self, tick: int) -> dict[str, Percept]:
         """Grants for every node that is due at `tick`, in order of their numbers."""
         self._refs = {}
         watched = self._watched()
-        asked = ((row, node.due(tick, watched.get(row))) for row, node in enumerate(self._rows))
-        reasons = {row: why for row, why in asked if why is not None}
+        reasons: dict[int, Why] = {}
+        for row, node in enumerate(self._rows):
+            if (why := node.due(tick, watched.get(row))) is not None:
+                reasons[row] = why
         in_sight = self._in_sight(list(reasons))
         return {self.names[row]: self._percept(tick, row, why, in_sight[row]) for row, why in reasons.items()}
 
@@ -81,7 +86,7 @@ class World:
             node.answered(tick, action)
             self._mission.acted(self._row_of[name], action)
         more_visits, incidents = self._mission.settle(tick)
-        self._apart_m = None
+        self._poses = self._apart_m = None
         outboxes = {self._row_of[name]: actions[name].outbox for name in answered if actions[name].outbox}
         deliveries, tally = self._talk(tick, outboxes)
         facts = Facts(
@@ -89,7 +94,7 @@ class World:
             self.poses().tobytes(),
             self._goals().tobytes(),
             bytes([node.mode for node in self._rows]),
-            np.stack([deliveries.senders, deliveries.receivers], axis=1).astype("<u2").tobytes(),
+            _links(deliveries),
             visits + more_visits,
             tuple([(name, actions[name].report) for name in answered if actions[name].report]),
             faults,
@@ -112,7 +117,7 @@ class World:
             case "restart":
                 node.rise(fault.tick, fault.memory == "kept")
                 self._mission.restarted(self._row_of[fault.node], fault.place == "queue")
-                self._apart_m = None
+                self._poses = self._apart_m = None
 
     def can(self, verb: str, name: str) -> str:
         """Why a fault cannot befall a node now, in words; empty when it can."""
@@ -226,7 +231,16 @@ def _names(seen: tuple[Sighting, ...]) -> tuple[str, ...]:
     return tuple(one.node for one in seen)
 
 
+def _links(deliveries: radio.Deliveries) -> bytes:
+    """The deliveries as Facts keep them."""
+    if not len(deliveries.senders):
+        return b""
+    return np.stack([deliveries.senders, deliveries.receivers], axis=1).astype("<u2").tobytes()
+
+
 def _columns(deliveries: radio.Deliveries) -> tuple[bytes, ...]:
     """The deliveries as Commit keeps them."""
+    if not len(deliveries.senders):
+        return (b"",) * 4
     types = ("<u2", "<u2", "<u2", "<u4")
     return tuple(column.astype(kind).tobytes() for column, kind in zip(deliveries, types, strict=True))
