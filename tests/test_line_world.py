@@ -153,14 +153,10 @@ def test_a_swarm_in_disorder_keeps_its_distance(tmp_path):
 def test_a_robot_is_told_of_tower_queue_and_bodies(tmp_path):
     run = course(on_line({}, 3, tower_m=(20.0, 0.5), robots=BODY), tmp_path, 1)
     told = {grant.node: grant.configuration for one in commits(run.journal) for grant in one.grants}
-    assert told["r1"].queue_m is None and told["r1"].max_speed_m_s == 0
-    assert [told[name].queue_m for name in ("r2", "r3", "r4")] == [
-        (20.0, 0.6),
-        (20.0, 0.6 + 0.3),
-        (20.0, 1.2),
-    ]
+    assert told["r1"].max_speed_m_s == 0
+    assert [told[name].row for name in ("r2", "r3", "r4")] == [0, 1, 2]
     assert all(one.tower_m == (20.0, 0.5) and one.body_m == 0.4 for one in told.values())
-    assert run.positions(2)[0] == told["r3"].queue_m
+    assert run.positions(2)[0] == Line(told["r3"].field, told["r3"].tower_m).slot(1) == (20.0, 0.6 + 0.3)
 
 
 def test_arrival_wakes_and_progress_is_told(tmp_path):
