@@ -26,7 +26,7 @@ FRACTIONS = {0: 0.0, 1: 0.5, 2: 1.0}  # of a segment's length, by site
 
 
 def formation(folder: Path, overlap: int, turn_s: int, backwards: bool) -> dict[tuple[int, int], list[int]]:
-    """Ticks of all visits once the formation has settled, by segment and place: left end, middle, right end."""
+    """Ticks of all visits once all are in step, by segment and place: left end, middle, right end."""
     half_m = SEGMENTS * SEGMENT_M / 2
     field = Polyline(((-half_m, 0.0), (half_m, 0.0)), SEGMENTS)
     line = Line(field, (0.0, 0.0))
