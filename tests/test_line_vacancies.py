@@ -103,7 +103,8 @@ def test_who_is_still_on_the_way_to_the_segment_begins_to_cover_it_as_it_arrives
     fold = fed(
         DEPLOYED,
         (20, {"r2": ("home", 0, 0)}),
-        (30, {"r4": ("out", 1, 0)}, visits(("r4", 1, RIGHT))),
+        (25, {"r4": ("out", 1, 0)}),
+        (30, {}, visits(("r4", 1, RIGHT))),
         (31, patrol(r4=1)),
         (35, {}, visits(("r4", 1, MID))),
         (40, {}, visits(("r4", 1, LEFT))),

@@ -54,12 +54,13 @@ class LineMetrics:
     def feed(self, facts: Facts) -> None:
         """Take in one tick. In ticks between this and the last one nothing happened."""
         self._tick = facts.tick
-        if facts.reports or facts.faults or facts.modes != self._modes:
-            self._change(facts)
-        for node, site in facts.visits:
-            self._visits.add(facts.tick, site)
+        for node, site in facts.visits:  # on the way to this tick, so before what is decided at it
             if node in self._robots and self._robots[node].works_on(segment_of(site)):
                 self._vacancies.visit(facts.tick, node, site)
+        if facts.reports or facts.faults or facts.modes != self._modes:
+            self._change(facts)
+        for _, site in facts.visits:
+            self._visits.add(facts.tick, site)
         self._incidents += len(facts.incidents)
 
     def summary(self) -> dict[str, Any]:
