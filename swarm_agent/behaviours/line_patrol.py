@@ -30,8 +30,8 @@ from wire.messages import (
 )
 
 WAKE_ON = WAKE_ON_FRAME | WAKE_ON_ARRIVAL | WAKE_ON_BLOCKED
-LATE = 1.2
-"""A patrolling robot that is held up reports when its report is late by this factor."""
+LATE = 1.5
+"""A patrolling robot that is held up reports when its report is late by this factor; turns take time too."""
 HOME = 0
 """The segment of an order to come home."""
 
