@@ -5,7 +5,7 @@ positions and for what robots report of themselves, in simulated seconds, at tic
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 from math import pi
 from pathlib import Path
@@ -110,16 +110,10 @@ class Run(NamedTuple):
 
     def states(self) -> Iterator[tuple[int, dict[str, tuple[str, int]]]]:
         """For each tick what each robot does and on which segment, as it said last; the dead are left out."""
-        known: dict[str, tuple[str, int]] = {}
+        doing: dict[str, tuple[str, int]] = {}
         for one in self.facts:
-            for node, told in one.reports:
-                if node != self.scenario.tower.id:
-                    report = codec.decode(Report, told)
-                    known[node] = (report.state, report.segment)
-            for fault in one.faults:
-                if fault.verb == "kill":
-                    known.pop(fault.node, None)
-            yield one.tick, dict(known)
+            listen(doing, one, self.scenario.tower.id)
+            yield one.tick, dict(doing)
 
     def faults(self, verb: str) -> list[Fault]:
         """What befell whom."""
@@ -157,12 +151,32 @@ class Run(NamedTuple):
         return longest
 
 
-def rehearsed_line(folder: Path, given: Scenario) -> Run:
-    """Rehearse a line patrol."""
+def rehearsed_line(
+    folder: Path, given: Scenario, until: Callable[[dict[str, tuple[str, int]]], bool] = lambda doing: False
+) -> Run:
+    """Rehearse a line patrol, to its end or until what the robots do is as wanted."""
     folder.mkdir(parents=True, exist_ok=True)
     facts: list[Facts] = []
-    rehearse(given, to_toml(given), folder, given.last_tick, lambda one, swarm: facts.append(one))
+    doing: dict[str, tuple[str, int]] = {}
+
+    def watch(one: Facts, swarm: Rehearsal) -> None:
+        facts.append(one)
+        listen(doing, one, given.tower.id)
+        swarm.finishing = until(doing)
+
+    rehearse(given, to_toml(given), folder, given.last_tick, watch)
     return Run(given, folder, facts)
+
+
+def listen(doing: dict[str, tuple[str, int]], facts: Facts, tower: str) -> None:
+    """Take in what robots say that they do, and on which segment; the dead do nothing."""
+    for node, told in facts.reports:
+        if node != tower:
+            report = codec.decode(Report, told)
+            doing[node] = (report.state, report.segment)
+    for fault in facts.faults:
+        if fault.verb == "kill":
+            doing.pop(fault.node, None)
 
 
 def run_of(given: Scenario, folder: Path) -> Run:
@@ -180,9 +194,10 @@ class DeadlyRehearsal(Rehearsal):
         self._since_tick = 0
         """When it was born, or died."""
         self._alive = True
+        self._last_ticks = times(scenario).after_birth + 1
 
     def boundary(self, tick: int) -> Iterator[Befallen]:
-        """Its deaths between ticks, and every new life."""
+        """Its deaths between ticks, and every new life; the end when it has lived long enough after the last."""
         if self._alive and self._tower not in self._minds:
             self._since_tick, self._alive = tick - 1, False
         if self._alive and self._deaths and self._deaths[0].when == "boundary":
@@ -193,6 +208,8 @@ class DeadlyRehearsal(Rehearsal):
             self._since_tick, self._alive = tick, True
             self._deaths = self._deaths[1:]
             yield Befallen(Fault(tick, "restart", self._tower), False, lambda trouble: None)
+        elif self._alive and not self._deaths:
+            self.finishing = tick - self._since_tick >= self._last_ticks
 
 
 def rehearsed_deaths(folder: Path, given: Scenario, dead_ticks: int) -> Run:
@@ -213,7 +230,8 @@ def rehearsed_deaths(folder: Path, given: Scenario, dead_ticks: int) -> Run:
     kills = [one for one, when in zip(run.faults("kill"), ways, strict=False) if when == "boundary"]
     plan = sorted([*kills, *run.faults("restart")], key=lambda one: one.tick)
     faults = tuple(PlannedFault(float(one.tick), one.verb, (one.node,)) for one in plan)
-    return run._replace(scenario=msgspec.structs.replace(given, faults=faults))
+    duration_s = float(facts[-1].tick)
+    return run._replace(scenario=msgspec.structs.replace(given, faults=faults, duration_s=duration_s))
 
 
 def lives(run: Run) -> list[tuple[int, int]]:
