@@ -15,9 +15,9 @@ from tower.line_keeper import LineKeeper, LineKeeperParameters
 
 
 class Death(NamedTuple):
-    """In a life of the tower, `after` so many ticks: with the next order that it gives, `write`, when the ledger
-    has it and nobody has heard it, or `action`, when it is said, before the next grant is looked at; or at once,
-    at a `boundary` between ticks, which is for others to do.
+    """`after` so many ticks of a life, with the next order that the tower gives: `write`, when the ledger
+    has it and nobody has heard it, or `action`, when it is said, before the next grant is looked at. Or at
+    once, at a `boundary` between ticks, which is for others to do.
     """
 
     after: int

@@ -1,4 +1,4 @@
-"""Short line patrols for tests of failures: shipped scenarios with batteries that do not last, and what came of them.
+"""Short line patrols for tests of failures: shipped scenarios with poor batteries, and what came of them.
 
 T is the time for one segment, one way, c that of one turn: a lap takes 2 (T + c). All bounds are for true
 positions and for what robots report of themselves, in simulated seconds, at ticks of one second.
@@ -19,6 +19,7 @@ from deploy.rehearsal import Rehearsal, rehearse
 from deploy.scenario_file import SHIPPED, load_scenario, to_toml
 from swarm_agent.line_radio import Report
 from tests.dying_keeper import Death
+from tower.desk import Desk
 from wire import codec
 from wire.line import Line
 from wire.messages import Facts, Fault
@@ -31,6 +32,8 @@ from world_server.world import World
 NOISE = 1.1
 """With noise on the velocities nothing takes longer than it should by more than this factor."""
 FLAT = 3
+Doing = dict[str, tuple[str, int]]
+"""What each robot does and on which segment, as it said last; the dead are left out."""
 
 
 def line_run(name: str, duration_s: float, drain: float, *settings: str, **fields: Any) -> Scenario:
@@ -63,9 +66,9 @@ class Times(NamedTuple):
     def recovery(self) -> float:
         """From the moment at which a tower sees a vacancy until one robot has traversed the segment whole.
 
-        A neighbour moves out: it has just turned at its far end, goes back, turns, comes out again, crosses the
-        gap and traverses: 3 (T + c) and the gap, 3 T in the paper. Or a robot comes from the queue: its way and
-        T. The bound is the sum of both.
+        A neighbour moves out: it has just turned at its far end, goes back, turns, comes out again, crosses
+        the gap and traverses: 3 (T + c) and the gap, 3 T in the paper. Or a robot comes from the queue: its
+        way and T. The bound is the sum of both.
         """
         moving = 3 * (self.segment + self.turn) + self.gap
         return NOISE * (self.way + moving) + self.hops
@@ -94,6 +97,11 @@ class Run(NamedTuple):
     folder: Path
     facts: list[Facts]
 
+    def desks(self) -> Iterator[tuple[int, Desk]]:
+        """Tick and report of all that the tower told observers."""
+        for one in self.facts:
+            yield from ((one.tick, desk) for desk in desks_of(one, self.scenario.tower.id))
+
     def metrics(self) -> dict[str, Any]:
         """Its metrics."""
         fold = LineMetrics(self.scenario)
@@ -108,9 +116,9 @@ class Run(NamedTuple):
                 if node != self.scenario.tower.id:
                     yield one.tick, node, codec.decode(Report, told)
 
-    def states(self) -> Iterator[tuple[int, dict[str, tuple[str, int]]]]:
-        """For each tick what each robot does and on which segment, as it said last; the dead are left out."""
-        doing: dict[str, tuple[str, int]] = {}
+    def states(self) -> Iterator[tuple[int, Doing]]:
+        """For each tick what the robots do."""
+        doing: Doing = {}
         for one in self.facts:
             listen(doing, one, self.scenario.tower.id)
             yield one.tick, dict(doing)
@@ -144,32 +152,35 @@ class Run(NamedTuple):
             for node, (state, segment) in doing.items():
                 if state == "patrol" and node not in frozen:
                     on[segment].append(node)
-            since = {
-                segment: since.get(segment, tick) for segment, nodes in on.items() if len(nodes) > 1
-            }
+            since = {segment: since.get(segment, tick) for segment, nodes in on.items() if len(nodes) > 1}
             longest = max([longest, *(tick - begin for begin in since.values())])
         return longest
 
 
 def rehearsed_line(
-    folder: Path, given: Scenario, until: Callable[[dict[str, tuple[str, int]]], bool] = lambda doing: False
+    folder: Path, given: Scenario, until: Callable[[Facts, Doing], bool] = lambda facts, doing: False
 ) -> Run:
-    """Rehearse a line patrol, to its end or until what the robots do is as wanted."""
+    """Rehearse a line patrol, to its end or until facts and what the robots do are as wanted."""
     folder.mkdir(parents=True, exist_ok=True)
     facts: list[Facts] = []
-    doing: dict[str, tuple[str, int]] = {}
+    doing: Doing = {}
 
     def watch(one: Facts, swarm: Rehearsal) -> None:
         facts.append(one)
         listen(doing, one, given.tower.id)
-        swarm.finishing = until(doing)
+        swarm.finishing = until(one, doing)
 
     rehearse(given, to_toml(given), folder, given.last_tick, watch)
     return Run(given, folder, facts)
 
 
-def listen(doing: dict[str, tuple[str, int]], facts: Facts, tower: str) -> None:
-    """Take in what robots say that they do, and on which segment; the dead do nothing."""
+def desks_of(facts: Facts, tower: str) -> list[Desk]:
+    """What the tower told observers in a tick: one report or none."""
+    return [codec.decode(Desk, told) for node, told in facts.reports if node == tower]
+
+
+def listen(doing: Doing, facts: Facts, tower: str) -> None:
+    """Take in what robots say of themselves, and who is killed."""
     for node, told in facts.reports:
         if node != tower:
             report = codec.decode(Report, told)
@@ -197,7 +208,7 @@ class DeadlyRehearsal(Rehearsal):
         self._last_ticks = times(scenario).after_birth + 1
 
     def boundary(self, tick: int) -> Iterator[Befallen]:
-        """Its deaths between ticks, and every new life; the end when it has lived long enough after the last."""
+        """Its deaths between ticks, and every new life; the end some time after the last."""
         if self._alive and self._tower not in self._minds:
             self._since_tick, self._alive = tick - 1, False
         if self._alive and self._deaths and self._deaths[0].when == "boundary":
@@ -236,6 +247,8 @@ def rehearsed_deaths(folder: Path, given: Scenario, dead_ticks: int) -> Run:
 
 def lives(run: Run) -> list[tuple[int, int]]:
     """From when to when the tower was alive, the last tick excluded."""
-    ends = [(one.tick, one.verb) for one in run.facts for one in one.faults if one.node == run.scenario.tower.id]
+    ends = [
+        (one.tick, one.verb) for one in run.facts for one in one.faults if one.node == run.scenario.tower.id
+    ]
     ticks = [0, *(tick for tick, _ in ends), run.facts[-1].tick + 1]
     return [(begin, end) for number, (begin, end) in enumerate(pairwise(ticks)) if number % 2 == 0]

@@ -1,7 +1,7 @@
 """The overlapping patrol against its closed forms, noise off, without drain.
 
-Source: papers/line-patrol.txt, Algorithm 1 and section III-B, worked out: with m = min(j, o) robots over segment
-j, T for one segment and c for one turn,
+Source: papers/line-patrol.txt, Algorithm 1 and section III-B, worked out: with m = min(j, o) robots over
+segment j, T for one segment and c for one turn,
 
     mean interval: (o T + c) / m, so the frequency is m / (o T + c)
     longest gap at fraction x of the segment: max(2 (o - m) T + (2 - 2x) T + c, 2x T + c)
@@ -26,7 +26,7 @@ FRACTIONS = {0: 0.0, 1: 0.5, 2: 1.0}  # of a segment's length, by site
 
 
 def formation(folder: Path, overlap: int, turn_s: int, backwards: bool) -> dict[tuple[int, int], list[int]]:
-    """Ticks of all visits once the formation has settled, by segment and site (left end, middle, right end)."""
+    """Ticks of all visits once the formation has settled, by segment and site (left, middle, right)."""
     half_m = SEGMENTS * SEGMENT_M / 2
     field = Polyline(((-half_m, 0.0), (half_m, 0.0)), SEGMENTS)
     line = Line(field, (0.0, 0.0))

@@ -13,7 +13,9 @@ from swarm_agent.line_radio import Envelope, Order
 from swarm_agent.node import Mind
 from tests.line_courses import (
     NOISE,
+    Doing,
     Run,
+    desks_of,
     line_run,
     lives,
     rehearsed_deaths,
@@ -24,7 +26,7 @@ from tests.line_courses import (
 from tests.live_runs import launched, run_hash
 from tower.ledger import Ledger
 from wire import codec
-from wire.messages import Frame, Percept
+from wire.messages import Facts, Frame, Percept
 from wire.scenario import PlannedFault, Scenario
 from world_server.journal import commits
 
@@ -64,7 +66,7 @@ def assert_well_survived(run: Run, copy: Path) -> list[int]:
 
 
 def assert_robots_obey_nobody_while_it_is_dead(run: Run) -> None:
-    """They keep their segments, go home when they are low, wait there; what was ordered before is finished."""
+    """They keep their segments, go home when low, and wait there; what was ordered before is finished."""
     lap = NOISE * times(run.scenario).lap
     dead = [(before[1], after[0]) for before, after in pairwise(lives(run))]
     known = {}
@@ -80,7 +82,7 @@ def assert_robots_obey_nobody_while_it_is_dead(run: Run) -> None:
 
 
 def assert_ledger_is_the_history(run: Run, copy: Path) -> None:
-    """It has what a tower writes that is told what this one was told in grants that counted, and nothing else."""
+    """It has what a tower writes that is told what this one was told in committed grants, and no more."""
     rows = history(run.folder / LEDGER)
     said, granted = relived(run, copy)
     assert rows == history(copy)
@@ -94,8 +96,10 @@ def history(path: Path) -> list[tuple]:
         columns = '"grant", kind, node, segment, number, place, tick, battery_v, text'
         rows = base.execute(f'SELECT {columns} FROM history ORDER BY "grant", place').fetchall()
     base.close()
-    return [(grant, kind, node, segment, number) + tuple(rest) * (kind != "order") for
-            grant, kind, node, segment, number, *rest in rows]
+    return [
+        (grant, kind, node, segment, number) + tuple(rest) * (kind != "order")
+        for grant, kind, node, segment, number, *rest in rows
+    ]
 
 
 def relived(run: Run, copy: Path) -> tuple[set[tuple], set[int]]:
@@ -124,18 +128,29 @@ def relived(run: Run, copy: Path) -> tuple[set[tuple], set[int]]:
     return ordered, granted
 
 
-def away(doing: dict[str, tuple[str, int]]) -> int:
-    """How many robots are on their way home."""
-    return [state for state, _ in doing.values()].count("home")
-
-
 def in_the_middle_of_three_recalls(folder: Path, rule: str) -> Scenario:
-    """Batteries for ten minutes; the tower is killed as three robots are on their way home at once."""
-    settings = f"tower.parameters.rule={rule}", "tower.parameters.low_v=8.45"
-    given = line_run("6r4s", 3600, 9.0, *settings)
-    run = rehearsed_line(folder / "undisturbed", given, until=lambda doing: away(doing) == 3)
+    """Batteries for ten minutes; the tower is killed as three robots are called home or on their way.
+
+    Robots that go by themselves, under the other rules, are counted on their way: they say so as they leave.
+    Proactive recall never lets three be on their way together; with a round every ten seconds it recalls
+    three before the first of them is in the queue.
+    """
+    recalls = "proactive" in rule
+    often = ["robots.parameters.report_laps=1", "tower.parameters.round_s=10", "tower.parameters.low_v=8.6"]
+    given = line_run("6r4s", 3600, 9.0, f"tower.parameters.rule={rule}", *(often if recalls else []))
+
+    def three(facts: Facts, doing: Doing) -> bool:
+        if recalls:
+            return any(len(desk.recalled) == 3 for desk in desks_of(facts, "r1"))
+        return [state for state, _ in doing.values()].count("home") == 3
+
+    run = rehearsed_line(folder / "undisturbed", given, until=three)
     tick = run.facts[-1].tick + 1
-    faults = PlannedFault(float(tick), "kill", ("r1",)), PlannedFault(tick + 600.0, "restart", ("r1",))
+    assert tick < given.last_tick, "three were never away"
+    faults = (
+        PlannedFault(float(tick), "kill", ("r1",)),
+        PlannedFault(float(tick + DEAD_S), "restart", ("r1",)),
+    )
     duration_s = tick + DEAD_S + times(given).after_birth + 30
     return msgspec.structs.replace(given, faults=faults, duration_s=duration_s)
 
@@ -144,13 +159,13 @@ def in_the_middle_of_three_recalls(folder: Path, rule: str) -> Scenario:
 def test_killed_in_the_middle_of_three_recalls_and_started_ten_minutes_later(rule, tmp_path):
     run = rehearsed_line(tmp_path / "run", in_the_middle_of_three_recalls(tmp_path, rule))
     slowest = assert_well_survived(run, tmp_path / "copy.sqlite")
-    print("COVER", rule, slowest, run.longest_double())
     assert len(slowest) == 1
     (_, died), (born, _) = lives(run)
-    states = dict(run.states())
-    assert away(states[died - 1]) == 3
-    assert len({node for tick, node, word in run.words() if died < tick < born and word.low}) >= 3
-    assert {state for state, _ in states[born - 1].values()} <= {"queue", "patrol", "home"}
+    words = [(node, word) for tick, node, word in run.words() if died < tick < born]
+    low, last = {node for node, word in words if word.low}, dict(words)
+    assert low, "somebody's battery ran low meanwhile"
+    assert sum(word.state == "queue" for word in last.values()) >= 3
+    assert {last[node].state for node in low} <= {"home", "queue"}
 
 
 def test_the_processes_do_as_the_rehearsal_when_the_tower_is_killed_and_started_again(tmp_path):
@@ -176,13 +191,12 @@ def test_killed_at_five_random_moments_within_and_between_grants(seed, rule, tmp
     given = with_deaths(given, moments(seed, given, WAYS[seed - 1]))
     run = rehearsed_deaths(tmp_path / "run", given, DEAD_S)
     slowest = assert_well_survived(run, tmp_path / "copy.sqlite")
-    print("COVER", rule, slowest, run.longest_double(), lives(run))
     assert len(slowest) == len(lives(run)) - 1 == 5
 
 
 def test_processes_that_kill_themselves_within_grants_do_as_the_rehearsal(tmp_path):
     """Three real SIGKILLs between ledger write and action, and three between action and grant."""
-    given = line_run("6r4s", 9000, 9.0, DYING, "tower.parameters.rule=base")
+    given = line_run("6r4s", 9000, 14.0, DYING, "tower.parameters.rule=base")
     given = with_deaths(given, [(40 * life, ("write", "action")[life % 2]) for life in range(6)])
     rehearsal = rehearsed_deaths(tmp_path / "rehearsal", given, 60)
     assert len(rehearsal.faults("kill")) == len(rehearsal.faults("restart")) == 6
@@ -191,5 +205,4 @@ def test_processes_that_kill_themselves_within_grants_do_as_the_rehearsal(tmp_pa
     assert history(folder / LEDGER) == history(rehearsal.folder / LEDGER)
     assert_ledger_is_the_history(run_of(rehearsal.scenario, folder), tmp_path / "copy.sqlite")
     log = (folder / "events.jsonl").read_text()
-    print("LIVE", rehearsal.facts[-1].tick, lives(rehearsal))
     assert log.count("killed by signal 9") == 6

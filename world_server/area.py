@@ -1,4 +1,4 @@
-"""Mission "area" as the world plays it: bodies pass each other freely, and go to the sites they are to visit."""
+"""Mission "area" as the world plays it: bodies pass each other freely, and go to the sites they choose."""
 
 from collections.abc import Sequence
 

@@ -14,9 +14,9 @@ class Traffic:
     """Moves the robots, one after the other in order of their numbers.
 
     Reflex: a body on the line, at most half a lane from it, makes no step that would bring it within `body_m`
-    of another robot on the line, living or not, while it approaches it or comes from beside the line: it stands
-    still and goes on by itself once the way is clear. Each is judged against where the others are by then, so
-    no step breaks the distance. Passing lane and queue know no such rule.
+    of another robot on the line, living or not, while it approaches it or comes from beside the line: it
+    stands still and goes on by itself once the way is clear. Each is judged against where the others are by
+    then, so no step breaks the distance. Passing lane and queue know no such rule.
     """
 
     def __init__(self, line: Line, body_m: float, robots: Sequence[Node]) -> None:
