@@ -140,4 +140,4 @@ def test_robots_idle_for_the_share_of_them_that_is_not_needed(tmp_path):
     """Source: papers/line-patrol.txt, section III: (r - s) / r, over whole rotations, noise off."""
     given = line_run("6r4s", 7000, 2.0, "robots.noise_sd=0", "tower.parameters.rule=base")
     metrics = rehearsed_line(tmp_path / "run", given).metrics()
-    assert metrics["idle_share"] == pytest.approx((6 - 4) / 6, abs=0.02)
+    assert metrics["idle_share"] == pytest.approx((6 - 4) / 6, rel=0.02)
