@@ -86,7 +86,13 @@ def rehearsed(parent: Path, path: Path, name: str = "rehearsal", **overrides: An
 
 def as_processes(parent: Path, path: Path, name: str = "live", launcher: type[Launcher] = Launcher) -> Path:
     """The folder of a run of a scenario file with one process per node."""
-    scenario = load_scenario(path)
+    return launched(parent, load_scenario(path), name, launcher)
+
+
+def launched(
+    parent: Path, scenario: Scenario, name: str = "live", launcher: type[Launcher] = Launcher
+) -> Path:
+    """The folder of a run of a scenario with one process per node."""
     folder = run_folder(parent, name, scenario)
     asyncio.run(launcher(scenario, folder, scenario.last_tick, lambda facts: None).run(None, print))
     return folder

@@ -83,11 +83,29 @@ def test_an_order_is_repeated_until_it_is_acknowledged():
     assert [one.message for _, one in repeats] == [first, first]
     assert [one.said_tick for _, one in repeats] == [LISTENED + 30, LISTENED + 60]
     assert all(one.relay for _, one in repeats)
-    watch.step(101, watch.obey("r2", 100, state="queue"))
+    watch.step(101, watch.obey("r2", 100, state="out"))
+    watch.until(190)
+    assert watch.said(Order) == []
+
+
+def test_an_order_is_said_again_to_a_robot_that_has_forgotten_it():
+    watch = awaiting(robots=1)
+    watch.until(LISTENED)
+    first = watch.orders["r2"]
+    watch.step(LISTENED + 2, watch.obey("r2", LISTENED + 1, state="queue"))
     watch.until(190)
     assert watch.said(Order) == []
     watch.step(191, report("r2", 190, "queue", order=0))
     assert watch.said(Order) == [first], "reborn, it has forgotten what it acknowledged"
+
+
+def test_who_waits_in_the_queue_long_after_an_order_that_it_has_heard_has_been_out_and_is_back():
+    watch = awaiting(robots=1)
+    watch.until(LISTENED)
+    first = watch.orders["r2"]
+    watch.step(200, watch.obey("r2", 199, state="queue"))
+    assert [node for node, _ in watch.sent()] == ["r2"]
+    assert watch.orders["r2"].number > first.number
 
 
 def test_an_order_to_somebody_heard_by_relay_is_passed_on():

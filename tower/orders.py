@@ -89,6 +89,6 @@ class Orders:
             return robot.said_tick > pending.given_tick and robot.state in ("home", "queue")
         if robot.state == "home":
             return robot.said_tick > pending.given_tick
-        if robot.state == "queue":
-            return heard is not None and robot.said_tick > heard + self._retry_ticks
+        if robot.state == "queue":  # who has heard it and waits there much later has been out and is back
+            return heard is not None and robot.said_tick > pending.given_tick + self._retry_ticks
         return heard is not None and robot.segment == pending.order.segment

@@ -136,7 +136,7 @@ class Clock:
 
     def _befall(self, fault: Fault, happened: bool) -> str:
         """Let a fault happen, unless it has. Returns why it could not, empty when it did."""
-        trouble = self._world.can(fault.verb, fault.node)
+        trouble = self._world.can(fault)
         if not trouble and not happened:
             trouble = self._swarm.enforce(fault)
         if trouble:

@@ -119,12 +119,17 @@ class World:
                 self._mission.restarted(self._row_of[fault.node], fault.place == "queue")
                 self._poses = self._apart_m = None
 
-    def can(self, verb: str, name: str) -> str:
+    def can(self, fault: Fault) -> str:
         """Why a fault cannot befall a node now, in words; empty when it can."""
+        verb, name = fault.verb, fault.node
         if name not in self.nodes:
             return f"there is no node {name}; nodes are {', '.join(self.names)}"
         state = STATES[self.nodes[name].mode]
-        return "" if state in BEFALLS[verb] else f"cannot {verb} {name}: it is {state}"
+        if state not in BEFALLS[verb]:
+            return f"cannot {verb} {name}: it is {state}"
+        if fault.place == "queue" and (self.scenario.mission != "line" or name == self.scenario.tower.id):
+            return f"cannot {verb} {name} in the queue: only robots of a line patrol have a place there"
+        return ""
 
     def next_tick(self, tick: int) -> int | None:
         """The next tick at which anything can happen, or None when nothing ever will by itself."""
