@@ -55,8 +55,8 @@ class Roll(msgspec.Struct, frozen=True, array_like=True, tag="roll"):
 class Envelope(msgspec.Struct, frozen=True, array_like=True):
     """A message on its way. `origin`, `said_tick` and `number` name it; who has seen it is done with it.
 
-    `distance_m`: how far from the tower, along the line, whoever sent this copy stands. `relay`: is it to be
-    said again? A report travels towards the tower, everything else away from it.
+    `distance_m`: how far from the tower, along the line and off it, whoever sent this copy stands. `relay`:
+    is it to be said again? A report travels towards the tower, everything else away from it.
     """
 
     origin: str
@@ -78,37 +78,55 @@ class Word(NamedTuple):
 
 
 class Relay:
-    """A node's part in the flooding: what is new, what must be said again, and is the tower in range?"""
+    """A node's part in the flooding: what is new, what must be said again, and is the tower in range?
+
+    `distance_m` is that of envelopes, `apart_m` the straight distance from the tower. Contact is the tower's
+    own voice, heard lately and from no nearer: who drives away from the tower leaves its range before long.
+    """
 
     def __init__(self, node: str, tower: str, age_ticks: int, hops_most: int, contact_ticks: int) -> None:
         self._node, self._tower = node, tower
         self._age_ticks, self._hops_most, self._contact_ticks = age_ticks, hops_most, contact_ticks
         self._seen: dict[tuple[str, int, int], int] = {}
-        self._tower_tick: int | None = None
+        self._contact: tuple[int, float] | None = None
+        """When the tower was heard, and the straight distance up to which that counts."""
         self._onward: list[Envelope] = []
         self._said = (-1, 0)
 
-    def hear(self, tick: int, heard: Sequence[Heard], distance_m: float) -> list[Word]:
-        """What is new in an inbox; what of it must travel on is kept for `outbox`."""
+    def hear(self, tick: int, heard: Sequence[Heard], distance_m: float, apart_m: float) -> list[Word]:
+        """What is new in an inbox; what of it must travel on is kept for `outbox`.
+
+        That is what no copy has carried further than here yet. Where the tower is in contact it hears the
+        next copy of a report, which then need not be said again.
+        """
         self._seen = {name: said for name, said in self._seen.items() if tick - said <= self._age_ticks}
-        new = []
+        new: dict[tuple[str, int, int], Envelope] = {}
+        carried = set()
         for sender, sent_tick, envelope in heard:
             if sender == self._tower:
-                self._tower_tick = max(sent_tick, self._tower_tick or 0)
+                self._hear_tower(tick, sent_tick, apart_m)
             name = (envelope.origin, envelope.said_tick, envelope.number)
             too_old = tick - envelope.said_tick > self._age_ticks
             if too_old or name in self._seen or envelope.origin == self._node:
                 continue
-            self._seen[name] = envelope.said_tick
-            new.append(Word(envelope.origin, envelope.said_tick, envelope.message, envelope.hops))
-            if self._travels_on(envelope, distance_m):
-                further = {"distance_m": distance_m, "hops": envelope.hops + 1}
+            new.setdefault(name, envelope)
+            if not self._is_behind(envelope, distance_m):
+                carried.add(name)
+        self._seen |= {name: envelope.said_tick for name, envelope in new.items()}
+        contact = self.in_contact(tick, apart_m)
+        for name, envelope in new.items():
+            if name not in carried and self._travels_on(envelope):
+                arrives = contact and isinstance(envelope.message, Report)
+                further = {"distance_m": distance_m, "hops": envelope.hops + 1, "relay": not arrives}
                 self._onward.append(msgspec.structs.replace(envelope, **further))
-        return new
+        return [Word(one.origin, one.said_tick, one.message, one.hops) for one in new.values()]
 
-    def in_contact(self, tick: int) -> bool:
-        """Has the tower's own voice been heard lately?"""
-        return self._tower_tick is not None and tick - self._tower_tick <= self._contact_ticks
+    def in_contact(self, tick: int, apart_m: float) -> bool:
+        """Does the tower hear what is said here, as far as its own voice has been heard lately?"""
+        if self._contact is None:
+            return False
+        heard_tick, reach_m = self._contact
+        return tick - heard_tick <= self._contact_ticks and apart_m <= reach_m
 
     def outbox(
         self, tick: int, messages: Iterable[Report | Order | Roll], distance_m: float, relay: bool
@@ -124,10 +142,18 @@ class Relay:
         self._said = (tick, number)
         return (*onward, *own)
 
-    def _travels_on(self, envelope: Envelope, distance_m: float) -> bool:
-        if not envelope.relay or envelope.hops >= self._hops_most or self._node == self._tower:
-            return False
+    def _hear_tower(self, tick: int, sent_tick: int, apart_m: float) -> None:
+        farther = self._contact is None or apart_m >= self._contact[1]
+        if farther or not self.in_contact(tick, apart_m):
+            self._contact = (sent_tick, apart_m)
+
+    def _is_behind(self, envelope: Envelope, distance_m: float) -> bool:
+        """Does this copy come from further back on its way than we are?"""
         if isinstance(envelope.message, Report):
             return distance_m < envelope.distance_m
-        for_us = isinstance(envelope.message, Order) and envelope.message.to == self._node
-        return distance_m > envelope.distance_m and not for_us
+        return distance_m > envelope.distance_m
+
+    def _travels_on(self, envelope: Envelope) -> bool:
+        if not envelope.relay or envelope.hops >= self._hops_most or self._node == self._tower:
+            return False
+        return not (isinstance(envelope.message, Order) and envelope.message.to == self._node)

@@ -120,7 +120,7 @@ class LineKeeper(Behaviour):
         self._listen_until = tick + round(self.parameters.listen_s / self.configuration.tick_s)
 
     def _hear(self, tick: int, heard: Sequence[Heard]) -> tuple[int, ...]:
-        words = [one for one in self._relay.hear(tick, heard, 0.0) if self._is_report(tick, one)]
+        words = [one for one in self._relay.hear(tick, heard, 0.0, 0.0) if self._is_report(tick, one)]
         for word in words:
             one = word.message
             text = one.state + LOW * one.low
@@ -249,8 +249,7 @@ class LineKeeper(Behaviour):
         direct, passed_on = [], []
         if calls:
             self._round_tick = tick + self._round_ticks
-            far = answer or any(one.hops for one in self.roster)
-            (passed_on if far else direct).append(Roll(answer))
+            (passed_on if answer else direct).append(Roll(answer))
         for order, again in self.orders.due(tick):
             far = again or self._is_far(tick, order.to)
             (passed_on if far else direct).append(order)

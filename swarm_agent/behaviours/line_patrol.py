@@ -89,11 +89,12 @@ class LinePatrol(Behaviour):
         """Listen, act on what was heard and on where the body is, and report when there is reason to."""
         tick, senses = percept.tick, percept.senses
         position = (senses.pose.x_m, senses.pose.y_m)
-        self._arc_m = self.line.locate(position)[0]
+        self._arc_m, aside_m = self.line.locate(position)
         self._overdue = tick >= self._report_due(tick)
-        distance_m = abs(self._arc_m - self.line.tower_arc_m)
+        distance_m = abs(self._arc_m - self.line.tower_arc_m) + abs(aside_m)
+        apart_m = math.dist(position, self.configuration.tower_m)
         before = (self.state, self.segment, self.laps)
-        for word in self.relay.hear(tick, heard, distance_m):
+        for word in self.relay.hear(tick, heard, distance_m, apart_m):
             self._take(word)
         motion = self._begin(senses, position) if self.state is None else self._act(senses, position)
         report = self._report(senses)
@@ -103,7 +104,7 @@ class LinePatrol(Behaviour):
         self._told_tick = tick if tell else self._told_tick
         self._tell = False
         wake_tick = tick + 1 if self._docking else self._report_due(tick)
-        relay = not self.relay.in_contact(tick)
+        relay = not self.relay.in_contact(tick, apart_m)
         say = self.relay.outbox(tick, messages, distance_m, relay)
         return Move(motion, say, wake_tick, WAKE_ON, report if changed else None)
 
