@@ -55,8 +55,8 @@ class Roll(msgspec.Struct, frozen=True, array_like=True, tag="roll"):
 class Envelope(msgspec.Struct, frozen=True, array_like=True):
     """A message on its way. `origin`, `said_tick` and `number` name it; who has seen it is done with it.
 
-    `distance_m`: how far from the tower, along the line and off it, whoever sent this copy stands. `relay`:
-    is it to be said again? A report travels towards the tower, everything else away from it.
+    `distance_m`: how far from the tower, along the line, whoever sent this copy stands. `relay`: is it to be
+    said again? A report travels towards the tower, everything else away from it.
     """
 
     origin: str
@@ -77,11 +77,22 @@ class Word(NamedTuple):
     hops: int
 
 
+class Place(NamedTuple):
+    """Where a node stands: `distance_m` from the tower along the line, `apart_m` straight.
+
+    Who `waits` in the queue passes nothing on: from wherever it is heard on the line, the tower is too.
+    """
+
+    distance_m: float
+    apart_m: float
+    waits: bool = False
+
+
 class Relay:
     """A node's part in the flooding: what is new, what must be said again, and is the tower in range?
 
-    `distance_m` is that of envelopes, `apart_m` the straight distance from the tower. Contact is the tower's
-    own voice, heard lately and from no nearer: who drives away from the tower leaves its range before long.
+    Contact is the tower's own voice, heard lately and from no nearer: who drives away from the tower leaves
+    its range before long. What is said where there is contact the tower hears; it need not be said again.
     """
 
     def __init__(self, node: str, tower: str, age_ticks: int, hops_most: int, contact_ticks: int) -> None:
@@ -93,43 +104,36 @@ class Relay:
         self._onward: list[Envelope] = []
         self._said = (-1, 0)
 
-    def hear(self, tick: int, heard: Sequence[Heard], distance_m: float, apart_m: float) -> list[Word]:
-        """What is new in an inbox; what of it must travel on is kept for `outbox`.
-
-        That is what no copy has carried further than here yet. Where the tower is in contact it hears the
-        next copy of a report, which then need not be said again.
-        """
+    def hear(self, tick: int, heard: Sequence[Heard], place: Place) -> list[Word]:
+        """What is new in an inbox; what of it no copy has carried further than here is kept for `outbox`."""
         self._seen = {name: said for name, said in self._seen.items() if tick - said <= self._age_ticks}
         new: dict[tuple[str, int, int], Envelope] = {}
         carried = set()
         for sender, sent_tick, envelope in heard:
             if sender == self._tower:
-                self._hear_tower(tick, sent_tick, apart_m)
+                self._hear_tower(tick, sent_tick, place.apart_m)
             name = (envelope.origin, envelope.said_tick, envelope.number)
             too_old = tick - envelope.said_tick > self._age_ticks
             if too_old or name in self._seen or envelope.origin == self._node:
                 continue
             new.setdefault(name, envelope)
-            if not self._is_behind(envelope, distance_m):
+            if not self._is_behind(tick, envelope, place.distance_m):
                 carried.add(name)
         self._seen |= {name: envelope.said_tick for name, envelope in new.items()}
-        contact = self.in_contact(tick, apart_m)
-        for name, envelope in new.items():
-            if name not in carried and self._travels_on(envelope):
-                arrives = contact and isinstance(envelope.message, Report)
-                further = {"distance_m": distance_m, "hops": envelope.hops + 1, "relay": not arrives}
-                self._onward.append(msgspec.structs.replace(envelope, **further))
+        if not place.waits and self._node != self._tower:
+            onward = [one for name, one in new.items() if name not in carried and self._travels_on(one)]
+            self._onward += [self._copy(tick, one, place) for one in onward]
         return [Word(one.origin, one.said_tick, one.message, one.hops) for one in new.values()]
 
     def in_contact(self, tick: int, apart_m: float) -> bool:
-        """Does the tower hear what is said here, as far as its own voice has been heard lately?"""
+        """Does the tower hear what is said this far from it, for all that is known of its range?"""
         if self._contact is None:
             return False
         heard_tick, reach_m = self._contact
         return tick - heard_tick <= self._contact_ticks and apart_m <= reach_m
 
     def outbox(
-        self, tick: int, messages: Iterable[Report | Order | Roll], distance_m: float, relay: bool
+        self, tick: int, messages: Iterable[Report | Order | Roll], place: Place, relay: bool
     ) -> tuple[Envelope, ...]:
         """Everything to be said now: what others said and is to travel on, then our own messages."""
         onward, self._onward = self._onward, []
@@ -137,7 +141,7 @@ class Relay:
         number = number if last_tick == tick else 0
         own = []
         for message in messages:
-            own.append(Envelope(self._node, tick, number, message, distance_m, relay))
+            own.append(Envelope(self._node, tick, number, message, place.distance_m, relay))
             number += 1
         self._said = (tick, number)
         return (*onward, *own)
@@ -147,13 +151,18 @@ class Relay:
         if farther or not self.in_contact(tick, apart_m):
             self._contact = (sent_tick, apart_m)
 
-    def _is_behind(self, envelope: Envelope, distance_m: float) -> bool:
-        """Does this copy come from further back on its way than we are?"""
+    def _is_behind(self, tick: int, envelope: Envelope, distance_m: float) -> bool:
+        """Does this copy come from further back on its way than we are, and not from within its goal's ear?"""
         if isinstance(envelope.message, Report):
-            return distance_m < envelope.distance_m
+            return distance_m < envelope.distance_m and not self.in_contact(tick, envelope.distance_m)
         return distance_m > envelope.distance_m
 
     def _travels_on(self, envelope: Envelope) -> bool:
-        if not envelope.relay or envelope.hops >= self._hops_most or self._node == self._tower:
-            return False
-        return not (isinstance(envelope.message, Order) and envelope.message.to == self._node)
+        for_us = isinstance(envelope.message, Order) and envelope.message.to == self._node
+        return envelope.relay and envelope.hops < self._hops_most and not for_us
+
+    def _copy(self, tick: int, envelope: Envelope, place: Place) -> Envelope:
+        """The copy that is said again here."""
+        arrives = isinstance(envelope.message, Report) and self.in_contact(tick, place.apart_m)
+        further = {"distance_m": place.distance_m, "hops": envelope.hops + 1, "relay": not arrives}
+        return msgspec.structs.replace(envelope, **further)

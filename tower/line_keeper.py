@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 
 from swarm_agent.behaviour import Behaviour, Heard, Move, Parameters
-from swarm_agent.line_radio import Envelope, Order, Relay, Report, Roll, Word
+from swarm_agent.line_radio import Envelope, Order, Place, Relay, Report, Roll, Word
 from tower import dispatch, queue
 from tower.desk import Desk, Entry
 from tower.orders import Orders
@@ -26,6 +26,7 @@ Positive = Annotated[float, msgspec.Meta(gt=0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0)]
 Rule = Literal["base", "proactive", "leapfrog", "leapfrog+proactive", "overlap"]
 LOW = " low"
+HERE = Place(0.0, 0.0)
 
 
 class LineKeeperParameters(Parameters, frozen=True):
@@ -120,7 +121,7 @@ class LineKeeper(Behaviour):
         self._listen_until = tick + round(self.parameters.listen_s / self.configuration.tick_s)
 
     def _hear(self, tick: int, heard: Sequence[Heard]) -> tuple[int, ...]:
-        words = [one for one in self._relay.hear(tick, heard, 0.0, 0.0) if self._is_report(tick, one)]
+        words = [one for one in self._relay.hear(tick, heard, HERE) if self._is_report(tick, one)]
         for word in words:
             one = word.message
             text = one.state + LOW * one.low
@@ -253,8 +254,8 @@ class LineKeeper(Behaviour):
         for order, again in self.orders.due(tick):
             far = again or self._is_far(tick, order.to)
             (passed_on if far else direct).append(order)
-        own = self._relay.outbox(tick, direct, 0.0, relay=False)
-        return own + self._relay.outbox(tick, passed_on, 0.0, relay=True)
+        own = self._relay.outbox(tick, direct, HERE, relay=False)
+        return own + self._relay.outbox(tick, passed_on, HERE, relay=True)
 
     def _is_far(self, tick: int, node: str) -> bool:
         """Did its last report come by others, or none for a round?"""
