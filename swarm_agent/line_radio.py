@@ -152,7 +152,7 @@ class Relay:
             self._contact = (sent_tick, apart_m)
 
     def _is_behind(self, tick: int, envelope: Envelope, distance_m: float) -> bool:
-        """Does this copy come from further back on its way than we are, and not from within its goal's ear?"""
+        """Does this copy come from further back on its way, and not from where the tower hears it?"""
         if isinstance(envelope.message, Report):
             return distance_m < envelope.distance_m and not self.in_contact(tick, envelope.distance_m)
         return distance_m > envelope.distance_m

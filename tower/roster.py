@@ -40,13 +40,15 @@ class Robot(msgspec.Struct):
 class Silence(msgspec.Struct, frozen=True):
     """When a silent robot counts as lost, in ticks.
 
-    When `suspect` robots or more fell silent within `after` of each other, a split of the radio is likelier
-    than that many deaths: until they are heard again they count as lost only after `split`. Ours.
+    `answer` before it counts as lost after `after`, everybody is called. When `suspect` robots or more do not
+    answer, or fell silent within `after` of each other, a split of the radio is likelier than that many
+    deaths: until they are heard again they count as lost only after `split`. Ours.
     """
 
     after: int
     suspect: int
     split: int
+    answer: int = 1
 
 
 class Roster:
@@ -56,6 +58,7 @@ class Roster:
         self._silence = silence
         self._robots: dict[str, Robot] = {}
         self._suspected: set[str] = set()
+        self._called_tick = -1
 
     def __iter__(self) -> Iterator[Robot]:
         """All robots in order of their numbers, the lost ones too."""
@@ -108,9 +111,24 @@ class Roster:
         for robot in self._robots.values():
             robot.heard_tick = tick
 
+    @property
+    def cut_off(self) -> frozenset[str]:
+        """Robots that a split of the radio seems to keep from being heard."""
+        return frozenset(self._suspected)
+
+    def call(self, tick: int) -> None:
+        """Everybody is called now, and answers if this is heard."""
+        self._called_tick = tick
+
+    def next_call_tick(self) -> int | None:
+        """When everybody is to be called next, as somebody would soon count as lost."""
+        watched = (one for one in self._robots.values() if not one.lost and one.node not in self._suspected)
+        due = [self._lost_tick(one) - self._silence.answer for one in watched]
+        return min((one for one in due if one > self._called_tick), default=None)
+
     def newly_lost(self, tick: int) -> list[str]:
         """Robots that count as lost from now on, in order of their numbers."""
-        silent = [one for one in self if tick - one.heard_tick >= self._silence.after]
+        silent = [one for one in self if self._is_silent(tick, one)]
         for robot in silent:
             apart = [abs(one.heard_tick - robot.heard_tick) for one in silent]
             together = sum(ticks <= self._silence.after for ticks in apart)
@@ -121,6 +139,11 @@ class Roster:
     def next_loss_tick(self) -> int | None:
         """When a robot may count as lost next, should nothing be heard until then."""
         return min((self._lost_tick(one) for one in self._robots.values() if not one.lost), default=None)
+
+    def _is_silent(self, tick: int, robot: Robot) -> bool:
+        """Not heard for long, or not in answer to the call?"""
+        called = robot.heard_tick < self._called_tick <= tick - self._silence.answer
+        return called or tick - robot.heard_tick >= self._silence.after
 
     def _lost_tick(self, robot: Robot) -> int:
         suspected = robot.node in self._suspected
