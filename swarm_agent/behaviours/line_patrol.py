@@ -102,9 +102,10 @@ class LinePatrol(Behaviour):
         messages = (report,) if tell else ()
         self._told_tick = tick if tell else self._told_tick
         self._tell = False
-        wake_tick = tick + 1 if self._docking else self._report_due(tick)
         relay = not self.relay.in_contact(tick, place.apart_m)
         say = self.relay.outbox(tick, messages, place, relay)
+        wake_tick = tick + 1 if self._docking else self._report_due(tick)
+        wake_tick = min(wake_tick, self.relay.next_tick() or wake_tick)
         return Move(motion, say, wake_tick, WAKE_ON, report if changed else None)
 
     def _place(self, position: tuple[float, float]) -> Place:
