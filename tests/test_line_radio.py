@@ -2,9 +2,10 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from swarm_agent.behaviour import Heard
-from swarm_agent.line_radio import Envelope, Order, Place, Relay, Report, Roll
+from swarm_agent.line_radio import AGAIN_TICKS, Envelope, Order, Place, Relay, Report, Roll
 from wire import codec
 
 REPORT = Report("patrol", 3, 8.9)
@@ -109,8 +110,44 @@ def test_a_report_that_the_tower_hears_is_said_again_no_further():
     node.hear(11, [heard(distance_m=20.0)], at(10.0))
     (copy,) = onward(node)
     assert not copy.relay, "whoever hears this, the tower hears it too"
-    node.hear(12, [heard(said=11, distance_m=9.0)], at(8.0))
-    assert onward(node) == (), "it was said where the tower hears it"
+    assert node.next_tick() is None
+
+
+def test_a_report_that_nobody_carries_on_is_said_again_until_somebody_does():
+    node = relay()
+    own = node.outbox(10, (REPORT,), at(20.0), relay=True)
+    node.hear(11, [heard(origin="r7", distance_m=25.0)], at(20.0))
+    other = node.outbox(11, (), at(20.0), relay=False)
+    assert node.next_tick() == 10 + AGAIN_TICKS
+    assert node.outbox(14, (), at(18.0), relay=False) == ()
+    (again,) = node.outbox(15, (), at(18.0), relay=False)
+    assert (again.distance_m, again.hops, again.relay) == (18.0, 0, True)
+    node.hear(16, [Heard("r3", 15, replace(other[0], distance_m=22.0))], at(18.0))
+    (again,) = node.outbox(16, (), at(18.0), relay=False)
+    assert again.origin == "r7", "a copy from further out carries nothing on"
+    copies = [replace(one, distance_m=9.0, hops=3) for one in (*own, *other)]
+    assert node.hear(17, [Heard("r3", 16, one) for one in copies], at(18.0)) == []
+    assert node.next_tick() is None
+
+
+def test_a_report_is_kept_no_longer_than_it_is_heard_or_the_last_word_of_its_robot():
+    node = relay(age_ticks=12)
+    node.outbox(10, (REPORT,), at(20.0), relay=True)
+    assert [len(node.outbox(tick, (), at(20.0), relay=True)) for tick in (15, 20, 25)] == [1, 1, 0]
+    node.outbox(30, (REPORT,), at(20.0), relay=True)
+    node.outbox(32, (REPORT,), at(20.0), relay=True)
+    (again,) = node.outbox(37, (), at(20.0), relay=True)
+    assert again.said_tick == 32
+    node.hear(38, [heard(Roll(), origin="r1", said=37)], at(20.0))
+    (again,) = node.outbox(42, (), at(20.0), relay=True)
+    assert not again.relay and node.next_tick() is None, "now the tower hears it"
+
+
+def test_orders_are_not_kept():
+    node = relay()
+    node.hear(11, [heard(Order(1, "r7", 2), origin="r1", distance_m=5.0)], at(10.0))
+    assert len(onward(node)) == 1
+    assert node.next_tick() is None
 
 
 def test_what_was_carried_further_in_the_same_tick_is_not_said_again():
@@ -150,7 +187,11 @@ def test_along_any_line_without_a_hole_every_report_arrives_and_every_copy_is_sa
     places = {"r1": 0.0} | distances
     nodes = {name: relay(name, hops_most=64) for name in places}
     outermost = f"r{len(gaps) + 1}"
-    air = {outermost: nodes[outermost].outbox(0, (REPORT,), at(places[outermost]), relay=True)}
+    for name, place_m in distances.items():
+        if place_m <= 2.0:
+            nodes[name].hear(0, [heard(Roll(), origin="r1", said=-1)], at(place_m))
+    unheard = not nodes[outermost].in_contact(0, places[outermost])
+    air = {outermost: nodes[outermost].outbox(0, (REPORT,), at(places[outermost]), unheard)}
     said, arrived = 1, False
     for tick in range(1, 40):
         new_air = {}
