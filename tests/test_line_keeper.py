@@ -170,6 +170,21 @@ def test_many_that_fall_silent_at_once_are_not_replaced_for_long():
     assert watch.kinds("lost") == [("lost", node, 0) for node in ("r2", "r3", "r4")]
 
 
+def test_who_does_not_answer_the_call_is_neither_lost_nor_moved_nor_recalled():
+    """Source: none; r2, r3 and r4 patrol the left side, r5 the innermost segment of the right one."""
+    watch = deployed(robots=6, rule="proactive")
+    reachable = ("r3", "r5", "r7")
+    watch.until(370)
+    assert watch.rolls() == [(True, True)], "r2 and all others were last heard at 100"
+    watch.step(372, *[watch.obey(node, 371) for node in reachable])
+    watch.until(399)
+    watch.step(400, watch.obey("r5", 399, state="home", low=True))
+    assert watch.kinds("lost") == []
+    assert watch.keeper.roster.cut_off == {"r2", "r4", "r6"}
+    watch.step(401, *[watch.obey(node, 400, battery_v=8.55) for node in ("r3", "r7")])
+    assert not {node for node, _ in watch.sent()} & {"r2", "r4", "r6"}
+
+
 def tired(watch: Watch, tick: int, **battery_v: float) -> list:
     """Reports of all six patrolling robots, 9 V unless told."""
     nodes = ("r2", "r3", "r4", "r5", "r6", "r7")

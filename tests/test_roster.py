@@ -76,9 +76,10 @@ def test_before_somebody_is_lost_everybody_is_called_once():
     one = roster(r2=0, r3=100)
     assert one.next_call_tick() == AFTER - ANSWER
     one.call(AFTER - ANSWER)
-    assert one.next_call_tick() == 100 + AFTER - ANSWER
+    assert one.next_call_tick() is None, "r3 was called too"
+    one.hear(272, "r3", 271, Report("patrol", 3, 9.0), 0)
+    assert one.next_call_tick() == 272 + AFTER - ANSWER
     assert lost(one, AFTER) == ["r2"]
-    assert one.next_call_tick() == 100 + AFTER - ANSWER
 
 
 def test_of_many_who_do_not_answer_the_call_nobody_is_lost():

@@ -17,10 +17,10 @@ from tower import dispatch, queue
 from tower.desk import Desk, Entry
 from tower.orders import Orders
 from tower.recall import robot_to_recall
-from tower.roster import Robot, Roster, Silence
+from tower.roster import Robot, Roster, Silence, can_be_true
 from wire.channels import number_of
 from wire.line import Line
-from wire.messages import WAKE_ON_FRAME, Configuration, NodeId, Percept
+from wire.messages import WAKE_ON_FRAME, Configuration, Percept
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0)]
@@ -122,7 +122,8 @@ class LineKeeper(Behaviour):
         self._listen_until = tick + round(self.parameters.listen_s / self.configuration.tick_s)
 
     def _hear(self, tick: int, heard: Sequence[Heard]) -> tuple[int, ...]:
-        words = [one for one in self._relay.hear(tick, heard, HERE) if self._is_report(tick, one)]
+        segments = len(self.line.segments)
+        words = [one for one in self._relay.hear(tick, heard, HERE) if can_be_true(tick, one, segments)]
         for word in words:
             one = word.message
             text = one.state + LOW * one.low
@@ -132,13 +133,6 @@ class LineKeeper(Behaviour):
             if self._hear_report(tick, word):
                 self._record.append(entry)
         return tuple(one.hops for one in words)
-
-    def _is_report(self, tick: int, word: Word) -> bool:
-        """Is it a robot's word of itself that can be true?"""
-        if not isinstance(word.message, Report) or word.said_tick > tick:
-            return False
-        known_segment = word.message.segment <= len(self.line.segments)
-        return known_segment and math.isfinite(word.message.battery_v) and _is_node(word.origin)
 
     def _hear_report(self, tick: int, word: Word) -> bool:
         """Take a report to heart. Is there anything new in it?"""
@@ -293,11 +287,3 @@ class LineKeeper(Behaviour):
 
     def _ticks(self, duration_s: float) -> int:
         return max(1, round(duration_s / self.configuration.tick_s))
-
-
-def _is_node(name: str) -> bool:
-    try:
-        msgspec.convert(name, NodeId)
-    except msgspec.ValidationError:
-        return False
-    return True

@@ -1,11 +1,13 @@
 """The roster: what the tower knows of each robot, from what it heard, and who counts as lost."""
 
+import math
 from collections.abc import Iterator
 
 import msgspec
 
-from swarm_agent.line_radio import Report, State
+from swarm_agent.line_radio import Report, State, Word
 from wire.channels import number_of
+from wire.messages import NodeId
 
 
 class Robot(msgspec.Struct):
@@ -121,10 +123,13 @@ class Roster:
         self._called_tick = tick
 
     def next_call_tick(self) -> int | None:
-        """When everybody is to be called next, as somebody would soon count as lost."""
-        watched = (one for one in self._robots.values() if not one.lost and one.node not in self._suspected)
-        due = [self._lost_tick(one) - self._silence.answer for one in watched]
-        return min((one for one in due if one > self._called_tick), default=None)
+        """When everybody is to be called next, as somebody would soon count as lost who was not called yet."""
+        due = [
+            self._lost_tick(one) - self._silence.answer
+            for one in self._robots.values()
+            if not one.lost and one.node not in self._suspected and one.heard_tick > self._called_tick
+        ]
+        return min(due, default=None)
 
     def newly_lost(self, tick: int) -> list[str]:
         """Robots that count as lost from now on, in order of their numbers."""
@@ -148,3 +153,19 @@ class Roster:
     def _lost_tick(self, robot: Robot) -> int:
         suspected = robot.node in self._suspected
         return robot.heard_tick + (self._silence.split if suspected else self._silence.after)
+
+
+def can_be_true(tick: int, word: Word, segments: int) -> bool:
+    """Is it a robot's word of itself, and of a line with so many segments?"""
+    said = word.message
+    if not isinstance(said, Report) or word.said_tick > tick:
+        return False
+    return said.segment <= segments and math.isfinite(said.battery_v) and _is_node(word.origin)
+
+
+def _is_node(name: str) -> bool:
+    try:
+        msgspec.convert(name, NodeId)
+    except msgspec.ValidationError:
+        return False
+    return True
