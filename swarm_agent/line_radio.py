@@ -98,8 +98,8 @@ class Relay:
     Contact is the tower's own voice, heard lately and from no nearer: who drives away from the tower leaves
     its range before long. What is said where there is contact the tower hears; it need not be said again.
 
-    The line has a hole while a segment is vacant. A report is kept, and said again, until a copy is heard from
-    nearer the tower: so it gets across when the hole closes. Orders the tower repeats itself.
+    The line has a hole while a segment is vacant. A report is kept, and said again, until a copy is heard
+    from nearer the tower: so it gets across when the hole closes. Orders the tower repeats itself.
     """
 
     def __init__(self, node: str, tower: str, age_ticks: int, hops_most: int, contact_ticks: int) -> None:

@@ -1,7 +1,7 @@
 """The long line: 40 robots, 30 segments with bends, a radio that reaches two segments.
 
-Orders and reports go hop by hop to both ends; a radio that is split for 20 minutes leaves both halves with their
-segments. Source: none; papers/line-patrol.txt has messages that reach everybody directly.
+Orders and reports go hop by hop to both ends; a radio that is split for 20 minutes leaves both halves with
+their segments. Source: none; papers/line-patrol.txt has messages that reach everybody directly.
 """
 
 import sqlite3
@@ -27,6 +27,7 @@ DEPLOYED_S = 400
 SPLIT_S, HEALED_S = 600, 1800
 HOPS_TO_THE_END = 6  # 22.8 m from the tower, 3.6 m each but for what is lost by where robots stand
 REPORT_S = 1.2 * 10 * 30.6  # robots tell of themselves at least so often, by the longest segment
+STEP_S = 5
 CHANGED = {"duration_s": DURATION_S}
 
 
@@ -190,14 +191,10 @@ def split(whole, halves, tmp_path_factory):
 
 def test_while_the_radio_is_split_both_halves_keep_their_segments(split, halves):
     assert split.tower_noted("lost") == [], "so many do not die at once"
-    cut_off = {(node, split.patrolled_by(SPLIT_S)) and node for node in halves[0]}
-    manned = split.patrolled_by(SPLIT_S)
-    for node in cut_off:
-        said = [one for one in split.told if one.node == node and SPLIT_S < one.tick <= HEALED_S]
-        assert {one.report.state for one in said} == {"patrol"}
-        assert {one.report.segment for one in said} <= {
-            segment for segment in manned if node in manned[segment]
-        }
+    for segment, (node, *_) in split.patrolled_by(SPLIT_S).items():
+        if node in halves[0]:
+            said = [one.report for one in split.told if one.node == node and SPLIT_S < one.tick <= HEALED_S]
+            assert {(one.state, one.segment) for one in said} == {("patrol", segment)}
     for segment in range(1, 16):
         assert split.longest_gap_s(segment, SPLIT_S, HEALED_S) <= 1.3 * longest_lap_s(split)
     for segment in range(16, 31):
@@ -211,10 +208,10 @@ def test_the_reachable_half_goes_on_being_relieved(split, halves):
 
 def test_after_the_split_no_segment_is_patrolled_twice_for_longer_than_a_lap(split):
     twice = defaultdict(int)
-    for tick in range(HEALED_S, DURATION_S):
-        patrolled = split.patrolled_by(tick) if tick % 10 == 0 else patrolled
+    for tick in range(HEALED_S, DURATION_S, STEP_S):
+        patrolled = split.patrolled_by(tick)
         for segment in range(1, 31):
-            twice[segment] = twice[segment] + 1 if len(patrolled[segment]) > 1 else 0
+            twice[segment] = twice[segment] + STEP_S if len(patrolled[segment]) > 1 else 0
             assert twice[segment] <= longest_lap_s(split)
 
 

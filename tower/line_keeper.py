@@ -4,7 +4,6 @@ Source: papers/line-patrol.txt, section III, Algorithms 2 and 3: the tower is th
 numbered orders that are repeated, losses, the ledger and the start after a kill are ours.
 """
 
-import math
 from collections.abc import Sequence
 from typing import Annotated, Literal
 

@@ -123,7 +123,7 @@ class Roster:
         self._called_tick = tick
 
     def next_call_tick(self) -> int | None:
-        """When everybody is to be called next, as somebody would soon count as lost who was not called yet."""
+        """When everybody is to be called next, as somebody would soon count as lost who was not called."""
         due = [
             self._lost_tick(one) - self._silence.answer
             for one in self._robots.values()
