@@ -10,7 +10,7 @@ from typing import Any
 from deploy.mistake import Mistake
 from wire.fields import Grid, Polyline
 from wire.line import Line
-from wire.scenario import BatterySection, Fan, InQueue, Scenario
+from wire.scenario import BatterySection, Fan, InQueue, Range, Scenario
 
 SHARPEST_TURN_DEG = 120.0
 FARTHEST_M = 1e6
@@ -19,7 +19,7 @@ ROUNDING_M = 1e-9
 RESERVE = 1.5  # of the charge for a last lap and the way home
 SLACK = 1.1  # of the time for the laps between two reports
 HOME_V, SWAP_BELOW_V, REPORT_LAPS = 8.5, 8.7, 10  # as in line_patrol
-LOW_V, MARGIN_V, READY_V, SILENCE_S = 8.5, 0.1, 8.7, 300.0  # as in line_keeper
+LOW_V, MARGIN_V, READY_V, SILENCE_S, DISPATCH_S = 8.5, 0.1, 8.7, 300.0, 10.0  # as in line_keeper
 
 
 def check_mission(scenario: Scenario) -> None:
@@ -49,9 +49,11 @@ def check_line(scenario: Scenario) -> None:
     _check_approach(field, line)
     _check_tower(scenario, line)
     _check_robots(scenario, line)
+    _check_queue(scenario, line)
     if scenario.battery is not None:
         _check_battery(scenario, scenario.battery, line)
     _check_silence(scenario, line)
+    _check_deployment(scenario, line)
 
 
 def _check_points(field: Polyline) -> None:
@@ -150,6 +152,15 @@ def _check_robots(scenario: Scenario, line: Line) -> None:
             )
 
 
+def _check_queue(scenario: Scenario, line: Line) -> None:
+    """Who waits in the queue hears the tower itself: nobody there passes anything on."""
+    range_m, tower_m = _range_m(scenario), (scenario.tower.x_m, scenario.tower.y_m)
+    farthest_m = max(math.dist(tower_m, line.slot(row)) for row in range(len(scenario.robot_ids)))
+    if "line_patrol" in scenario.robots.behaviour and range_m < farthest_m:
+        what = "for the tower to be heard in the whole queue"
+        raise Mistake(f"radio.rules: range_m must be >= {_up(farthest_m)} {what}, got {range_m}")
+
+
 def _check_battery(scenario: Scenario, battery: BatterySection, line: Line) -> None:
     full_v, empty_v = battery.full_v, battery.empty_v
     if empty_v >= full_v:
@@ -196,6 +207,30 @@ def _check_silence(scenario: Scenario, line: Line) -> None:
         raise Mistake(
             f"tower.parameters.silence_s must be >= {math.ceil(least_s)}, as {why}, got {silence_s}"
         )
+
+
+def _check_deployment(scenario: Scenario, line: Line) -> None:
+    """The outermost robots leave first. Where the tower cannot hear them, they may be silent until the last
+    ones have come to their segments, and must not count as lost before.
+    """
+    silence_s = _of_tower(scenario, "silence_s", SILENCE_S)
+    interval_s = _of_tower(scenario, "dispatch_interval_s", DISPATCH_S)
+    tower_m = (scenario.tower.x_m, scenario.tower.y_m)
+    far_m = max(math.dist(tower_m, line.point(one.far_m)) for one in line.segments)
+    if silence_s is None or interval_s is None or far_m <= _range_m(scenario):
+        return
+    way_m = max(abs(one.near_m - line.tower_arc_m) for one in line.segments)
+    least_s = len(line.segments) * interval_s + way_m / scenario.robots.max_speed_m_s
+    if silence_s < least_s:
+        why = "until all robots are out the tower may not hear the outermost ones"
+        raise Mistake(
+            f"tower.parameters.silence_s must be >= {math.ceil(least_s)}, as {why}, got {silence_s}"
+        )
+
+
+def _range_m(scenario: Scenario) -> float:
+    """How far the radio reaches."""
+    return min((one.range_m for one in scenario.radio.rules if isinstance(one, Range)), default=math.inf)
 
 
 def _lap_s(scenario: Scenario, line: Line) -> float:

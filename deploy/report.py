@@ -91,6 +91,8 @@ def _line_rows(table: Table, metrics: dict[str, Any]) -> None:
     recovery, frequency = metrics["recovery_s"], metrics["visit_frequency_hz"]
     covered = f"s, min / median / max of {recovery['count']}"
     asked = metrics["grants"] / metrics["robot_ticks"] if metrics["robot_ticks"] else None
+    orders = metrics["orders"]
+    hops = [_number(orders["hops_mean"], 1), _number(orders["hops_max"], 0)]
     lap = [_number(metrics[name], 2) for name in ("lap_time_mean_s", "lap_time_sd_s")]
     uniformity = [_scaled(frequency[name], 1e3, 2) for name in ("mean", "min")]
     for row in (
@@ -103,6 +105,8 @@ def _line_rows(table: Table, metrics: dict[str, Any]) -> None:
         ("recalls", str(metrics["recalls"]), f"at most {metrics['away_most']} on their way home at once"),
         ("robots gone flat", str(metrics["flat_robots"]), ""),
         ("incidents", str(metrics["incidents"]), "closer than bodies may come"),
+        ("orders", f"{orders['delivered']} / {orders['given']}", "reached their robots / given"),
+        ("their hops", " / ".join(hops), "mean / most"),
         ("visit frequency", " / ".join(uniformity), "per 1000 s, mean / min of all sites"),
         ("its variance", _scaled(frequency["variance"], 1e6, 2), "(per 1000 s)²"),
         ("asked", _scaled(asked, 100, 1), "% of robot-ticks"),

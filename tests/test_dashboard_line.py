@@ -110,6 +110,15 @@ def test_a_segment_is_as_old_as_its_least_recently_visited_site() -> None:
     assert mission.curves()["coverage"] == pytest.approx(((5 * 80 + 30) / 6, 80))
 
 
+def test_where_segments_are_many_only_old_ones_tell_their_age() -> None:
+    given = line_scenario(field=Polyline(((0.0, 0.0), (26.0, 0.0)), 13, gap_m=0.2))
+    mission = LineMission(given)
+    mission.take(lone(4, given), np.zeros((0, 2), int))
+    assert [one.label for one in mission.paints()][:2] == ["1", "2"]
+    mission.take(lone(900, given, visits=(("r2", 0), ("r2", 1), ("r2", 2))), np.zeros((0, 2), int))
+    assert [one.label for one in mission.paints()][:2] == ["1", "2: 900 s"]
+
+
 def test_halfway_between_fresh_and_stale_is_yellow() -> None:
     given = line_scenario(tick_s=0.01)
     mission = LineMission(given)

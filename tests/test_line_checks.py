@@ -180,6 +180,15 @@ MISTAKES = [
         "tower.parameters.silence_s must be >= 687, as robots report every 30 laps of up to 20.8 s, "
         "got 300.0",
     ),
+    (
+        {"radio__rules": [{"kind": "range", "range_m": 1.5}]},
+        "radio.rules: range_m must be >= 2.013 for the tower to be heard in the whole queue, got 1.5",
+    ),
+    (
+        {"radio__rules": [{"kind": "range", "range_m": 5}], "tower__parameters__dispatch_interval_s": 80},
+        "tower.parameters.silence_s must be >= 331, as until all robots are out the tower may not hear the "
+        "outermost ones, got 300.0",
+    ),
 ]
 
 

@@ -113,7 +113,7 @@ def test_an_order_to_somebody_heard_by_relay_is_passed_on():
     watch.step(40, report("r2", 38, hops=2))
     assert [(one.message.to, one.relay) for one in watch.move.say] == [("r2", True)]
     watch.until(200)
-    assert watch.rolls() == [(False, True)]
+    assert watch.rolls() == [(False, False)], "a roll that asks for nothing only tells who hears it directly"
 
 
 def test_a_roll_call_is_answered_once_and_the_roll_is_called_every_round():
@@ -144,7 +144,7 @@ def test_order_numbers_grow_for_ever():
 def test_a_silent_robot_is_lost_and_replaced():
     watch = deployed(rule="leapfrog")
     others = ["r3", "r4", "r5", "r6", "r7"]
-    watch.step(350, *[watch.obey(node, 349) for node in others], report("r8", 349), report("r9", 349))
+    watch.step(380, *[watch.obey(node, 379) for node in others], report("r8", 379), report("r9", 379))
     watch.until(399)
     assert watch.kinds("lost") == []
     watch.until(400)
@@ -155,7 +155,7 @@ def test_a_silent_robot_is_lost_and_replaced():
 def test_a_lost_robot_that_comes_back_is_sent_home_when_it_was_replaced():
     watch = deployed(rule="leapfrog")
     others = ["r3", "r4", "r5", "r6", "r7"]
-    watch.step(350, *[watch.obey(node, 349) for node in others], report("r8", 349), report("r9", 349))
+    watch.step(380, *[watch.obey(node, 379) for node in others], report("r8", 379), report("r9", 379))
     watch.until(400)
     watch.step(410, watch.obey("r8", 409, state="out"))
     watch.step(450, watch.obey("r2", 440, hops=3))
@@ -170,7 +170,7 @@ def test_a_lost_robot_that_comes_back_is_sent_home_when_it_was_replaced():
 
 def test_a_lost_robot_that_comes_back_in_time_goes_on():
     watch = deployed(robots=6, rule="base")
-    watch.step(350, *[watch.obey(node, 349) for node in ("r4", "r5", "r6", "r7")])
+    watch.step(380, *[watch.obey(node, 379) for node in ("r4", "r5", "r6", "r7")])
     watch.until(400)
     assert watch.move.report.lost == ("r2", "r3")
     watch.step(401, watch.obey("r2", 400))
@@ -188,6 +188,21 @@ def test_many_that_fall_silent_at_once_are_not_replaced_for_long():
     assert watch.kinds("lost") == [("lost", node, 0) for node in ("r2", "r3", "r4")]
 
 
+def test_who_does_not_answer_the_call_is_neither_lost_nor_moved_nor_recalled():
+    """Source: none; r2, r3 and r4 patrol the left side, r5 the innermost segment of the right one."""
+    watch = deployed(robots=6, rule="proactive")
+    reachable = ("r3", "r5", "r7")
+    watch.until(370)
+    assert watch.rolls() == [(True, True)], "r2 and all others were last heard at 100"
+    watch.step(372, *[watch.obey(node, 371) for node in reachable])
+    watch.until(399)
+    watch.step(400, watch.obey("r5", 399, state="home", low=True))
+    assert watch.kinds("lost") == []
+    assert watch.keeper.roster.cut_off == {"r2", "r4", "r6"}
+    watch.step(401, *[watch.obey(node, 400, battery_v=8.55) for node in ("r3", "r7")])
+    assert not {node for node, _ in watch.sent()} & {"r2", "r4", "r6"}
+
+
 def tired(watch: Watch, tick: int, **battery_v: float) -> list:
     """Reports of all six patrolling robots, 9 V unless told."""
     nodes = ("r2", "r3", "r4", "r5", "r6", "r7")
@@ -203,7 +218,7 @@ def test_once_a_round_one_robot_at_most_is_recalled(rule):
     watch.until(200)
     assert watch.sent() == [("r4", 0)]
     assert watch.move.report.recalled == ("r4",)
-    watch.step(250, *tired(watch, 249, r4=8.4, r6=8.45)[3:])
+    watch.step(380, *tired(watch, 379, r4=8.4, r6=8.45)[3:])
     watch.until(399)
     assert watch.kinds("recall") == [("recall", "r4", 0)]
     watch.until(400)

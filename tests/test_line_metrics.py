@@ -12,14 +12,16 @@ from deploy.metrics import MISSIONS
 from deploy.metrics.area import AreaMetrics
 from deploy.metrics.line import LineMetrics
 from deploy.report import ProgressLine, metrics_table
+from swarm_agent.line_radio import Report
 from tests.builders import facts
 from tests.line_facts import DEPLOYED, LEFT, MID, R3_DEAD, R3_FLAT, RIGHT, fed, patrol, plan, queue, visits
+from tower.desk import Desk
 from wire import codec
 
 KEYS = """
 lap_time_mean_s lap_time_sd_s idle_share return_time_mean_s deployment_s longest_gap_s
 longest_gap_by_segment_s recovery_s recovery_full_lap_s recalls away_most flat_robots incidents
-visit_interval_s visit_frequency_hz robots
+orders reports visit_interval_s visit_frequency_hz robots
 """.split()
 NO_SPAN = {"min": None, "median": None, "max": None, "count": 0}
 
@@ -58,6 +60,9 @@ def test_a_run_in_which_nothing_happened_has_no_metrics_and_no_nan():
         assert summary["visit_frequency_hz"] == {"mean": None, "min": None, "variance": None}
         nothing = {"mean": None, "sd": None, "max": None}
         assert summary["visit_interval_s"]["2"] == dict.fromkeys(("end_left", "mid", "end_right"), nothing)
+        unheard = {"hops_mean": None, "hops_max": None}
+        assert summary["orders"] == {"given": 0, "delivered": 0} | unheard
+        assert summary["reports"] == {"heard": 0} | unheard
         assert [summary[name] for name in ("recalls", "away_most", "flat_robots", "incidents")] == [0] * 4
         assert summary["robots"]["r4"]["laps"] == 0
         assert json.loads(json.dumps(summary, allow_nan=False)) == summary
@@ -266,3 +271,19 @@ def test_asking_for_the_summary_changes_nothing():
     assert fold.summary() == fold.summary()
     fed((200, queue("r3")), fold=fold)
     assert fold.summary() == fed(DEPLOYED, (100, {}), (200, queue("r3"))).summary()
+
+
+def test_orders_count_once_when_their_robot_tells_of_them():
+    """Source: none; order 7 was overtaken by order 9 before it was heard."""
+    fold = LineMetrics(plan())
+
+    def happens(tick, *reports):
+        fold.feed(facts(tick, reports=[(node, codec.encode(one)) for node, one in reports]))
+
+    happens(1, ("r1", Desk((), (), (), (), hops=(0, 3), orders=(5, 6, 7))), ("r2", Report("queue", 0, 9.0)))
+    happens(3, ("r2", Report("out", 1, 9.0, order=5, hops=4)), ("r3", Report("out", 2, 9.0, order=6)))
+    happens(9, ("r2", Report("patrol", 1, 9.0, order=5, hops=4)), ("r1", Desk((), (), (), (), orders=(9,))))
+    happens(12, ("r4", Report("out", 2, 9.0, order=9, hops=2)))
+    summary = fold.summary()
+    assert summary["orders"] == {"given": 4, "delivered": 3, "hops_mean": 2, "hops_max": 4}
+    assert summary["reports"] == {"heard": 2, "hops_mean": 1.5, "hops_max": 3}

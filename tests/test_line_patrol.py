@@ -9,7 +9,7 @@ from wire.messages import Dock, Follow
 
 def test_a_robot_in_the_queue_says_so_and_waits():
     robot = LineRobot()
-    move = robot.wake()
+    move = robot.wake(robot.hears(Roll()))
     assert robot.said == [Report("queue", 0, 9.0)]
     assert move.motion is None
     assert move.wake_tick > robot.tick + 100, "a robot in the queue is not asked every tick"
@@ -132,7 +132,7 @@ def test_home_again_it_takes_a_battery_and_then_says_what_it_has():
 
 def test_in_the_queue_it_changes_a_battery_that_has_run_down():
     robot = LineRobot(swap_below_v=8.7)
-    robot.wake()
+    robot.wake(robot.hears(Roll()))
     robot.battery_v = 8.69
     robot.wake()
     assert robot.move.motion is None, "at the next report, not at once"

@@ -3,12 +3,12 @@
 from swarm_agent.line_radio import Report
 from tower.roster import Roster, Silence
 
-AFTER, SPLIT = 300, 1800
+AFTER, SPLIT, ANSWER = 300, 1800, 30
 
 
 def roster(**heard_tick: int) -> Roster:
     """A roster of patrolling robots that were heard at these ticks."""
-    one = Roster(Silence(AFTER, 3, SPLIT))
+    one = Roster(Silence(AFTER, 3, SPLIT, ANSWER))
     for node, tick in heard_tick.items():
         one.hear(tick, node, tick, Report("patrol", int(node[1:]), 9.0), 0)
     return one
@@ -70,6 +70,28 @@ def test_many_that_fall_silent_together_are_suspected_to_be_cut_off():
 def test_many_that_fall_silent_one_after_another_are_lost():
     one = roster(r2=0, r3=301, r4=602)
     assert (lost(one, 300), lost(one, 601), lost(one, 902)) == (["r2"], ["r3"], ["r4"])
+
+
+def test_before_somebody_is_lost_everybody_is_called_once():
+    one = roster(r2=0, r3=100)
+    assert one.next_call_tick() == AFTER - ANSWER
+    one.call(AFTER - ANSWER)
+    assert one.next_call_tick() is None, "r3 was called too"
+    one.hear(272, "r3", 271, Report("patrol", 3, 9.0), 0)
+    assert one.next_call_tick() == 272 + AFTER - ANSWER
+    assert lost(one, AFTER) == ["r2"]
+
+
+def test_of_many_who_do_not_answer_the_call_nobody_is_lost():
+    one = roster(r2=0, r3=100, r4=200, r5=200)
+    one.call(AFTER - ANSWER)
+    one.hear(AFTER - ANSWER + 2, "r5", 271, Report("patrol", 5, 9.0), 0)
+    assert (lost(one, AFTER), one.cut_off) == ([], {"r2", "r3", "r4"})
+    assert one.next_call_tick() == 272 + AFTER - ANSWER, "who is cut off is not called"
+    one.hear(1000, "r3", 1000, Report("patrol", 3, 9.0), 0)
+    assert one.cut_off == {"r2", "r4"}
+    assert lost(one, 1300) == ["r3"]
+    assert lost(one, SPLIT) == ["r2"]
 
 
 def test_who_was_lost_just_before_makes_a_split_likelier():

@@ -26,7 +26,8 @@ class Entry(msgspec.Struct, frozen=True):
 
 class Desk(msgspec.Struct, frozen=True, array_like=True):
     """What observers are told: who waits in the queue in which order, which segments nobody covers, who is
-    recalled and not yet back, who counts as lost; and how many hops each report took that was just heard.
+    recalled and not yet back, who counts as lost; how many hops each report took that was just heard, and
+    the numbers of the orders that were just given.
     """
 
     queue: tuple[str, ...]
@@ -34,3 +35,4 @@ class Desk(msgspec.Struct, frozen=True, array_like=True):
     recalled: tuple[str, ...]
     lost: tuple[str, ...]
     hops: tuple[int, ...] = ()
+    orders: tuple[int, ...] = ()

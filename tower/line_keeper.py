@@ -4,7 +4,6 @@ Source: papers/line-patrol.txt, section III, Algorithms 2 and 3: the tower is th
 numbered orders that are repeated, losses, the ledger and the start after a kill are ours.
 """
 
-import math
 from collections.abc import Sequence
 from typing import Annotated, Literal
 
@@ -12,30 +11,31 @@ import msgspec
 import numpy as np
 
 from swarm_agent.behaviour import Behaviour, Heard, Move, Parameters
-from swarm_agent.line_radio import Envelope, Order, Relay, Report, Roll, Word
+from swarm_agent.line_radio import Envelope, Order, Place, Relay, Report, Roll, Word
 from tower import dispatch, queue
 from tower.desk import Desk, Entry
 from tower.orders import Orders
 from tower.recall import robot_to_recall
-from tower.roster import Robot, Roster, Silence
+from tower.roster import Robot, Roster, Silence, can_be_true
 from wire.channels import number_of
 from wire.line import Line
-from wire.messages import WAKE_ON_FRAME, Configuration, NodeId, Percept
+from wire.messages import WAKE_ON_FRAME, Configuration, Percept
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0)]
 Rule = Literal["base", "proactive", "leapfrog", "leapfrog+proactive", "overlap"]
 LOW = " low"
+HERE = Place(0.0, 0.0)
 
 
 class LineKeeperParameters(Parameters, frozen=True):
     """`rule`: which of the paper's algorithms; with overlap the robots patrol by themselves.
 
     Algorithm 3: `low_v` is b_l, `margin_v` is e, and it is asked every `round_s`, as the roll is called. A
-    robot is lost after `silence_s`; when `suspect_partition` or more fell silent at once, after
-    `partition_s`. An order is repeated every `retry_s`. At first one robot leaves the queue every
-    `dispatch_interval_s`, with at least `ready_v`. After its start the tower listens for `listen_s`. Radio:
-    `hops_most`, `age_s` and `contact_s` as for the robots.
+    robot is lost after `silence_s`; when `suspect_partition` or more are silent at once, after `partition_s`.
+    `retry_s` before, everybody is called. An order is repeated every `retry_s`. At first one robot leaves the
+    queue every `dispatch_interval_s`, with at least `ready_v`. After its start the tower listens for
+    `listen_s`. Radio: `hops_most`, `age_s` and `contact_s` as for the robots.
     """
 
     rule: Rule = "proactive"
@@ -70,8 +70,8 @@ class LineKeeper(Behaviour):
         super().__init__(parameters, configuration, generator)
         ticks = self._ticks
         self.line = Line(configuration.field, configuration.tower_m)
-        silence = (ticks(parameters.silence_s), parameters.suspect_partition, ticks(parameters.partition_s))
-        self.roster = Roster(Silence(*silence))
+        after, split, answer = map(ticks, (parameters.silence_s, parameters.partition_s, parameters.retry_s))
+        self.roster = Roster(Silence(after, parameters.suspect_partition, split, answer))
         self.orders = Orders(ticks(parameters.retry_s))
         self.vacant: dict[int, int] = {}
         """Segments that nobody covers, and since when."""
@@ -107,7 +107,8 @@ class LineKeeper(Behaviour):
                 self._recall(tick)
             self._resolve_double_claims(tick)
             self._dispatch(tick)
-        say = self._say(tick, calls, answer=begins)
+        call_tick = self.roster.next_call_tick()
+        say = self._say(tick, calls, answer=begins or (call_tick is not None and tick >= call_tick))
         self._promised_tick = self._next_tick(tick)
         record = tuple(self._record)
         return Move(None, say, self._promised_tick, WAKE_ON_FRAME, self._report(hops), record)
@@ -120,7 +121,8 @@ class LineKeeper(Behaviour):
         self._listen_until = tick + round(self.parameters.listen_s / self.configuration.tick_s)
 
     def _hear(self, tick: int, heard: Sequence[Heard]) -> tuple[int, ...]:
-        words = [one for one in self._relay.hear(tick, heard, 0.0) if self._is_report(tick, one)]
+        segments = len(self.line.segments)
+        words = [one for one in self._relay.hear(tick, heard, HERE) if can_be_true(tick, one, segments)]
         for word in words:
             one = word.message
             text = one.state + LOW * one.low
@@ -130,13 +132,6 @@ class LineKeeper(Behaviour):
             if self._hear_report(tick, word):
                 self._record.append(entry)
         return tuple(one.hops for one in words)
-
-    def _is_report(self, tick: int, word: Word) -> bool:
-        """Is it a robot's word of itself that can be true?"""
-        if not isinstance(word.message, Report) or word.said_tick > tick:
-            return False
-        known_segment = word.message.segment <= len(self.line.segments)
-        return known_segment and math.isfinite(word.message.battery_v) and _is_node(word.origin)
 
     def _hear_report(self, tick: int, word: Word) -> bool:
         """Take a report to heart. Is there anything new in it?"""
@@ -160,7 +155,8 @@ class LineKeeper(Behaviour):
             one.node: one.battery_v
             for one in self.roster.present()
             if one.state == "patrol" and not one.low
-            if one.node not in self.recalled and self.orders.segment(one.node) != 0
+            if one.node not in self.recalled.keys() | self.roster.cut_off
+            if self.orders.segment(one.node) != 0
         }
         node = robot_to_recall(batteries_v, self.parameters.low_v, self.parameters.margin_v)
         if node is not None:
@@ -190,7 +186,8 @@ class LineKeeper(Behaviour):
         place = {number: place for place, number in enumerate(dispatch.deployment_order(self.line))}
         vacancies = sorted(self.vacant, key=lambda one: (self.vacant[one], place[one]))
         robots, ordered = self.roster.present(), self._ordered()
-        situation = dispatch.Situation(robots, ordered, vacancies, waiting, self.recalled)
+        busy = self.recalled.keys() | self.roster.cut_off
+        situation = dispatch.Situation(robots, ordered, vacancies, waiting, busy)
         return dispatch.next_sending(situation, self.line, shift)
 
     def _deploys(self) -> bool:
@@ -249,13 +246,16 @@ class LineKeeper(Behaviour):
         direct, passed_on = [], []
         if calls:
             self._round_tick = tick + self._round_ticks
-            far = answer or any(one.hops for one in self.roster)
-            (passed_on if far else direct).append(Roll(answer))
+        if answer:
+            self.roster.call(tick)
+            passed_on.append(Roll(answer))
+        elif calls:
+            direct.append(Roll())
         for order, again in self.orders.due(tick):
             far = again or self._is_far(tick, order.to)
             (passed_on if far else direct).append(order)
-        own = self._relay.outbox(tick, direct, 0.0, relay=False)
-        return own + self._relay.outbox(tick, passed_on, 0.0, relay=True)
+        own = self._relay.outbox(tick, direct, HERE, relay=False)
+        return own + self._relay.outbox(tick, passed_on, HERE, relay=True)
 
     def _is_far(self, tick: int, node: str) -> bool:
         """Did its last report come by others, or none for a round?"""
@@ -264,7 +264,8 @@ class LineKeeper(Behaviour):
 
     def _next_tick(self, tick: int) -> int:
         """The next thing that is due, should nothing be heard until then."""
-        due = [self._round_tick, self.orders.next_tick(), self.roster.next_loss_tick()]
+        roster = self.roster
+        due = [self._round_tick, self.orders.next_tick(), roster.next_call_tick(), roster.next_loss_tick()]
         if tick < self._listen_until:
             due.append(self._listen_until)
         elif tick < self._send_tick and self._deploys() and self.vacant and self._ready():
@@ -272,23 +273,16 @@ class LineKeeper(Behaviour):
         return max(tick + 1, min(one for one in due if one is not None))
 
     def _report(self, hops: tuple[int, ...]) -> Desk | None:
-        """For observers: only when something changed or reports were heard."""
+        """For observers: only when something changed, reports were heard or orders given."""
         waiting = queue.in_line(self.roster.present(), self.orders)
         lost = tuple(one.node for one in self.roster if one.lost)
         names = tuple(one.node for one in waiting), tuple(sorted(self.vacant))
         desk = Desk(*names, tuple(sorted(self.recalled, key=number_of)), lost)
-        if desk == self._shown and not hops:
+        orders = tuple(one.number for one in self._record if one.kind == "order")
+        if desk == self._shown and not hops and not orders:
             return None
         self._shown = desk
-        return msgspec.structs.replace(desk, hops=hops)
+        return msgspec.structs.replace(desk, hops=hops, orders=orders)
 
     def _ticks(self, duration_s: float) -> int:
         return max(1, round(duration_s / self.configuration.tick_s))
-
-
-def _is_node(name: str) -> bool:
-    try:
-        msgspec.convert(name, NodeId)
-    except msgspec.ValidationError:
-        return False
-    return True

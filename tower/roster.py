@@ -1,11 +1,13 @@
 """The roster: what the tower knows of each robot, from what it heard, and who counts as lost."""
 
+import math
 from collections.abc import Iterator
 
 import msgspec
 
-from swarm_agent.line_radio import Report, State
+from swarm_agent.line_radio import Report, State, Word
 from wire.channels import number_of
+from wire.messages import NodeId
 
 
 class Robot(msgspec.Struct):
@@ -40,13 +42,15 @@ class Robot(msgspec.Struct):
 class Silence(msgspec.Struct, frozen=True):
     """When a silent robot counts as lost, in ticks.
 
-    When `suspect` robots or more fell silent within `after` of each other, a split of the radio is likelier
-    than that many deaths: until they are heard again they count as lost only after `split`. Ours.
+    `answer` before it counts as lost after `after`, everybody is called. When `suspect` robots or more do not
+    answer, or fell silent within `after` of each other, a split of the radio is likelier than that many
+    deaths: until they are heard again they count as lost only after `split`. Ours.
     """
 
     after: int
     suspect: int
     split: int
+    answer: int = 1
 
 
 class Roster:
@@ -56,6 +60,7 @@ class Roster:
         self._silence = silence
         self._robots: dict[str, Robot] = {}
         self._suspected: set[str] = set()
+        self._called_tick = -1
 
     def __iter__(self) -> Iterator[Robot]:
         """All robots in order of their numbers, the lost ones too."""
@@ -108,9 +113,27 @@ class Roster:
         for robot in self._robots.values():
             robot.heard_tick = tick
 
+    @property
+    def cut_off(self) -> frozenset[str]:
+        """Robots that a split of the radio seems to keep from being heard."""
+        return frozenset(self._suspected)
+
+    def call(self, tick: int) -> None:
+        """Everybody is called now, and answers if this is heard."""
+        self._called_tick = tick
+
+    def next_call_tick(self) -> int | None:
+        """When everybody is to be called next, as somebody would soon count as lost who was not called."""
+        due = [
+            self._lost_tick(one) - self._silence.answer
+            for one in self._robots.values()
+            if not one.lost and one.node not in self._suspected and one.heard_tick > self._called_tick
+        ]
+        return min(due, default=None)
+
     def newly_lost(self, tick: int) -> list[str]:
         """Robots that count as lost from now on, in order of their numbers."""
-        silent = [one for one in self if tick - one.heard_tick >= self._silence.after]
+        silent = [one for one in self if self._is_silent(tick, one)]
         for robot in silent:
             apart = [abs(one.heard_tick - robot.heard_tick) for one in silent]
             together = sum(ticks <= self._silence.after for ticks in apart)
@@ -122,6 +145,27 @@ class Roster:
         """When a robot may count as lost next, should nothing be heard until then."""
         return min((self._lost_tick(one) for one in self._robots.values() if not one.lost), default=None)
 
+    def _is_silent(self, tick: int, robot: Robot) -> bool:
+        """Not heard for long, or not in answer to the call?"""
+        called = robot.heard_tick < self._called_tick <= tick - self._silence.answer
+        return called or tick - robot.heard_tick >= self._silence.after
+
     def _lost_tick(self, robot: Robot) -> int:
         suspected = robot.node in self._suspected
         return robot.heard_tick + (self._silence.split if suspected else self._silence.after)
+
+
+def can_be_true(tick: int, word: Word, segments: int) -> bool:
+    """Is it a robot's word of itself, and of a line with so many segments?"""
+    said = word.message
+    if not isinstance(said, Report) or word.said_tick > tick:
+        return False
+    return said.segment <= segments and math.isfinite(said.battery_v) and _is_node(word.origin)
+
+
+def _is_node(name: str) -> bool:
+    try:
+        msgspec.convert(name, NodeId)
+    except msgspec.ValidationError:
+        return False
+    return True

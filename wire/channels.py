@@ -1,6 +1,7 @@
 """The address book: every key expression of a run, who says what on it, and who hears it."""
 
 import re
+from functools import cache
 from typing import NamedTuple
 
 ROOT = "picket"
@@ -39,6 +40,7 @@ def node_of(key_expression: str) -> str:
     return key_expression.split("/")[3]
 
 
+@cache
 def number_of(node: str) -> int:
     """The node's number, by which everything is ordered: `r2` comes before `r10`."""
     return int(re.search(r"[0-9]+$", node).group())

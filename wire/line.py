@@ -12,6 +12,8 @@ from typing import NamedTuple
 from wire.fields import Polyline
 
 Point = tuple[float, float]
+QUEUE_DEPTH = 10
+"""How many places of the queue stand one behind the other; further ones stand in files beside these."""
 
 
 class Segment(NamedTuple):
@@ -77,7 +79,7 @@ class Line:
 
     def point(self, arc_m: float, aside_m: float = 0.0) -> Point:
         """The position at an arc, and `aside_m` to the left of the line; at a bend on its bisector."""
-        leg = max(0, min(bisect_right(self._starts, arc_m) - 1, len(self._ways) - 1))
+        leg = self._leg(arc_m)
         along = arc_m - self._starts[leg]
         if leg and along == 0:
             return self._corner(leg, aside_m)
@@ -108,8 +110,19 @@ class Line:
         return between if from_m <= to_m else between[::-1]
 
     def slot(self, row: int) -> Point:
-        """The place of the robot with this row in the queue: behind the passing lane, at the tower."""
-        return self.point(self.tower_arc_m, 2 * self.lane_m + row * self._slot_m)
+        """The place of the robot with this row in the queue: behind the passing lane, at the tower.
+
+        A long queue stands in files beside each other, so that the last one is not far from the tower.
+        """
+        file, place = divmod(row, QUEUE_DEPTH)
+        along_m = (file + 1) // 2 * self._slot_m * (1 if file % 2 else -1)
+        x_m, y_m = self.point(self.tower_arc_m, 2 * self.lane_m + place * self._slot_m)
+        way_x, way_y = self._ways[self._leg(self.tower_arc_m)]
+        return (x_m + along_m * way_x, y_m + along_m * way_y)
+
+    def _leg(self, arc_m: float) -> int:
+        """The leg of the line that an arc is on."""
+        return max(0, min(bisect_right(self._starts, arc_m) - 1, len(self._ways) - 1))
 
     def _corner(self, leg: int, aside_m: float) -> Point:
         """Where two legs of the line, or of a parallel to it, meet."""

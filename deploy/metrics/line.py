@@ -8,6 +8,10 @@ batteries and incidents are true; what robots do (queue, out, patrol, home) is w
     return time  from the report of "home" to the report of "queue"
     deployment   the first time at which every segment has a robot in state "patrol"
     recall       a change from "patrol" to "home"
+    orders       given: by the tower, each once however often it was said; delivered: that its robot has told
+                 of, so that one overtaken by the next before it was heard never is; hops: how often an order
+                 was said again on its way, 0 when it was heard directly
+    reports      heard: by the tower, with their hops
 
 Standard deviations are the population's. Idle times, gaps, intervals and frequencies count from the end of
 deployment on (`visits` has their formulas), all else from the beginning. A frozen robot is alive and stays
@@ -16,16 +20,19 @@ the end of a tick holds until the next one. None is what was never measured.
 """
 
 from collections import Counter
-from typing import Any
+from typing import Any, TypeVar
 
 from deploy.metrics.spread import Spread, span
 from deploy.metrics.vacancies import Cause, Vacancies, Vacancy, segment_of
 from deploy.metrics.visits import Visits
+from deploy.metrics.words import Words
 from swarm_agent.line_radio import Report, State
+from tower.desk import Desk
 from wire import codec
 from wire.messages import Facts
 from wire.scenario import Scenario
 
+Told = TypeVar("Told", Desk, Report)
 DEAD, FLAT = 2, 3  # modes in facts
 ENDED_BY: dict[int, Cause] = {DEAD: "death", FLAT: "flat"}
 
@@ -40,6 +47,7 @@ class LineMetrics:
         self._nodes = scenario.node_ids
         self._robots = {node: _Robot() for node in scenario.robot_ids}
         self._visits, self._vacancies = Visits(self._segments), Vacancies()
+        self._tower, self._words = scenario.tower.id, Words()
         self._laps, self._returns = Spread(), Spread()
         self._tick = self._settled_tick = 0
         self._modes = b""
@@ -85,6 +93,7 @@ class LineMetrics:
             "away_most": self._away_most,
             "flat_robots": self._flat,
             "incidents": self._incidents,
+            **self._words.summary(),
             "visit_interval_s": self._visits.intervals_s(tick_s),
             "visit_frequency_hz": self._visits.frequency_hz(tick, tick_s),
             "robots": {node: one.summary(tick_s) for node, one in self._robots.items()},
@@ -146,15 +155,12 @@ class LineMetrics:
         """What robots say of themselves; returns who has left a segment, and why."""
         causes: dict[str, Cause] = {}
         for node, said in facts.reports:
-            robot = self._robots.get(node)
-            try:
-                report = codec.decode(Report, said)
-            except (
-                codec.Malformed
-            ):  # a robot with other words for observers: nothing is known of what it does
+            if node == self._tower and (desk := _decoded(said, Desk)):
+                self._words.tower_tells(desk.orders, desk.hops)
+            robot, report = self._robots.get(node), _decoded(said, Report)
+            if robot is None or report is None:
                 continue
-            if robot is None:
-                continue
+            self._words.robot_tells(report.order, report.hops)
             if robot.state == "patrol" and (report.state, report.segment) != ("patrol", robot.segment):
                 causes[node] = "recall" if report.state in ("home", "queue") else "shift"
                 self._recalls += report.state == "home"
@@ -218,6 +224,14 @@ class _Robot:
             "idle_s": self.idle_ticks * tick_s,
             "return_time_mean_s": self._returns.mean_s(tick_s),
         }
+
+
+def _decoded(said: bytes, kind: type[Told]) -> Told | None:
+    """None for a node with other words for observers: nothing is known of what it does."""
+    try:
+        return codec.decode(kind, said)
+    except codec.Malformed:
+        return None
 
 
 def _share(part: int, whole: int) -> float | None:

@@ -13,11 +13,15 @@ import numpy as np
 from deploy.scenes.mission import BLUE, GREEN, GREY, ORANGE, RED, YELLOW, Colour, Mission, Paint, Plot, Strip
 from swarm_agent.line_radio import Report
 from wire import codec
-from wire.line import Line
+from wire.line import QUEUE_DEPTH, Line
 from wire.messages import Facts
 from wire.scenario import BatterySection, Scenario
 
 FRESH_LAPS, STALE_LAPS = 1.0, 4.0
+CROWD = 12
+"""On a line with more segments numbers stand further off, and with ages only where these are high."""
+ASIDE = 1 / 30
+"""How far off they stand then, as a share of the picture's width: so that robots' names fit between."""
 SMALLEST = 1 / 120
 """The least radius of a robot as a share of the picture's width: below it nobody would see one."""
 TURNS_RAD = 2 * np.pi
@@ -80,8 +84,9 @@ class LineMission(Mission):
     def paints(self) -> tuple[Paint, ...]:
         """Segments by age: green within a lap, red after STALE_LAPS."""
         stops = np.array((STALE_LAPS, (FRESH_LAPS + STALE_LAPS) / 2, FRESH_LAPS)) * self._lap_s
+        least_s = stops[1] if self._crowded else 0.0
         return tuple(
-            Paint(_blend(-age_s, -stops), f"{number}: {age_s:.0f} s")
+            Paint(_blend(-age_s, -stops), f"{number}: {age_s:.0f} s" if age_s >= least_s else f"{number}")
             for number, age_s in enumerate(self._ages_s().tolist(), start=1)
         )
 
@@ -106,9 +111,12 @@ class LineMission(Mission):
     def _lay_out(self, scenario: Scenario) -> None:
         """Where everything stands, and bounds around it: the queue beside the line too."""
         line, lane_m = self._line, self._line.lane_m
+        self._crowded = len(line.segments) > CROWD
+        width_m = float(np.ptp([x_m for x_m, _ in scenario.field.points_m]))
+        off_m = max(lane_m, ASIDE * width_m) if self._crowded else lane_m
         self.strips = tuple(
             Strip(
-                (line.point(one.left_m), *line.along(one.left_m, one.right_m)), line.point(one.mid_m, -lane_m)
+                (line.point(one.left_m), *line.along(one.left_m, one.right_m)), line.point(one.mid_m, -off_m)
             )
             for one in line.segments
         )
@@ -116,7 +124,8 @@ class LineMission(Mission):
             (line.point(0.0, aside_m), *line.along(0.0, line.length_m, aside_m)) for aside_m in (0.0, lane_m)
         )
         self.places = tuple(line.slot(row) for row in range(len(scenario.robot_ids)))
-        above_m = line.slot(len(scenario.robot_ids))
+        deep = min(len(scenario.robot_ids), QUEUE_DEPTH)
+        above_m = line.point(line.tower_arc_m, 2 * lane_m + deep * scenario.field.slot_m)
         self.notes = ((above_m, "queue"), (line.point(0.0, 2 * lane_m), "passing lane"))
         tower_m = (scenario.tower.x_m, scenario.tower.y_m)
         labels_m = (one.label_m for one in self.strips)

@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 
 from swarm_agent.behaviour import Behaviour, Heard, Move, Parameters
-from swarm_agent.line_radio import Envelope, Order, Relay, Report, Roll, State, Word
+from swarm_agent.line_radio import Envelope, Order, Place, Relay, Report, Roll, State, Word
 from swarm_agent.line_routes import Routes
 from wire.channels import number_of
 from wire.line import Line
@@ -91,9 +91,9 @@ class LinePatrol(Behaviour):
         position = (senses.pose.x_m, senses.pose.y_m)
         self._arc_m = self.line.locate(position)[0]
         self._overdue = tick >= self._report_due(tick)
-        distance_m = abs(self._arc_m - self.line.tower_arc_m)
+        place = self._place(position)
         before = (self.state, self.segment, self.laps)
-        for word in self.relay.hear(tick, heard, distance_m):
+        for word in self.relay.hear(tick, heard, place):
             self._take(word)
         motion = self._begin(senses, position) if self.state is None else self._act(senses, position)
         report = self._report(senses)
@@ -102,10 +102,16 @@ class LinePatrol(Behaviour):
         messages = (report,) if tell else ()
         self._told_tick = tick if tell else self._told_tick
         self._tell = False
+        relay = not self.relay.in_contact(tick, place.apart_m)
+        say = self.relay.outbox(tick, messages, place, relay)
         wake_tick = tick + 1 if self._docking else self._report_due(tick)
-        relay = not self.relay.in_contact(tick)
-        say = self.relay.outbox(tick, messages, distance_m, relay)
+        wake_tick = min(wake_tick, self.relay.next_tick() or wake_tick)
         return Move(motion, say, wake_tick, WAKE_ON, report if changed else None)
+
+    def _place(self, position: tuple[float, float]) -> Place:
+        distance_m = abs(self._arc_m - self.line.tower_arc_m)
+        apart_m = math.dist(position, self.configuration.tower_m)
+        return Place(distance_m, apart_m, self.state == "queue")
 
     def _begin(self, senses: Senses, position: tuple[float, float]) -> Motion | None:
         """A newborn mind waits in the queue if its body stands there, and else goes home."""
