@@ -87,7 +87,7 @@ def test_a_watchdog_that_aborts_ends_the_run_and_says_why(tmp_path):
 
 def test_an_exception_in_a_behaviour_is_that_robots_death(tmp_path):
     path = small(tmp_path, duration_s=60, behaviour="tests.crashing:Crashing")
-    with command(path, tmp_path / "out", *PACED) as run:
+    with command(path, tmp_path / "out", "--clock", "paced", "--rate", "0.5") as run:
         run.ask("speed", value=0)
         assert run.wait() == 0
         death = run.event("death", "r3")

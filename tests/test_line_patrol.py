@@ -159,8 +159,8 @@ def test_of_two_robots_with_one_segment_the_older_order_goes_home(other, goes):
     claim = Report("patrol", 2, 9.0, robot.mind.order + other)
     robot.wake(robot.hears(claim, origin="r9"))
     if goes:
-        robot.lap()
-        assert robot.mind.state == "home"
+        assert robot.said[0].state == "home", "at once: the segment is the other's to cover"
+        assert robot.path[0][1] == pytest.approx(LINE.lane_m)
     else:
         assert robot.said[0].segment == 2, "it answers, so that the other knows"
 

@@ -80,7 +80,7 @@ class LinePatrol(Behaviour):
         self._obstacles: dict[float, int] = {}
         self._outbound_m = 0.0
         """How far along the present path the far end of the segment comes."""
-        self._leaves_far_end = False
+        self._leaves_far_end = self._yields = False
         self._docking = False
         self._told_tick = -self._report_ticks
         self._overdue = self._tell = False
@@ -123,6 +123,8 @@ class LinePatrol(Behaviour):
         return self._go_home(position)
 
     def _act(self, senses: Senses, position: tuple[float, float]) -> Motion | None:
+        if self._yields:
+            return self._go_home(position, sidestep=True)
         match self.state:
             case "queue":
                 return self._in_queue(senses, position)
@@ -148,12 +150,13 @@ class LinePatrol(Behaviour):
                     self._settle_claim(word.origin, order)
 
     def _settle_claim(self, other: str, order: int) -> None:
-        """Two robots believe they own one segment: the newer order holds, then the lower number."""
+        """Two robots believe they own one segment: the newer order holds, then the lower number.
+
+        Who yields goes at once, in the middle of its lap: the segment is the other's to cover.
+        """
         own = self.configuration.node
-        if (order, -number_of(other)) > (self.order, -number_of(own)):
-            self.pending = HOME
-        else:
-            self._tell = True
+        self._yields = (order, -number_of(other)) > (self.order, -number_of(own))
+        self._tell = True
 
     def _in_queue(self, senses: Senses, position: tuple[float, float]) -> Motion | None:
         if self._docking:  # the new battery is in: now its charge can be told
@@ -228,10 +231,10 @@ class LinePatrol(Behaviour):
         self._forget_lap()
         return self._follow(self.routes.out(position, from_queue, self.segment))
 
-    def _go_home(self, position: tuple[float, float]) -> Motion:
-        self.state, self.segment, self.pending = "home", HOME, None
+    def _go_home(self, position: tuple[float, float], sidestep: bool = False) -> Motion:
+        self.state, self.segment, self.pending, self._yields = "home", HOME, None, False
         self._forget_lap()
-        return self._follow(self.routes.home(position))
+        return self._follow(self.routes.home(position, sidestep))
 
     def _forget_lap(self) -> None:
         self._tell, self._leaves_far_end, self._obstacles = True, False, {}
