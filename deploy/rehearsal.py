@@ -68,6 +68,11 @@ class Rehearsal:
         """Nothing unplanned happens in a rehearsal."""
         return ()
 
+    def close(self) -> None:
+        """The run is over."""
+        for mind in self._minds.values():
+            mind.close()
+
     def _newborn(self, node: str) -> Mind:
         if node == self._tower:
             return Mind("tower", Ledger(self._folder / LEDGER))
@@ -92,5 +97,6 @@ def rehearse(
         events = EventLog(lines, scenario.tick_s)
         swarm = Rehearsal(scenario, folder, events.write, lambda facts: watch(facts, swarm))
         tick, completed = Clock(world, swarm, journal, last_tick).run()
+        swarm.close()
         events.write(Event(tick, "end", "", f"run hash {journal.run_hash}", {"completed": completed}))
         return tick, completed, journal.run_hash

@@ -58,6 +58,9 @@ class Ledger(Protocol):
     def write(self, grant: int, tick: int, entries: Sequence[Any]) -> None:
         """Keep the entries of one grant, safe from a kill on return; the same grant again replaces."""
 
+    def close(self) -> None:
+        """Nothing more will be written."""
+
 
 class Behaviour(ABC):
     """The algorithm inside a node.

@@ -44,6 +44,11 @@ class Mind:
         self._answered = percept.grant
         return self._last_answer
 
+    def close(self) -> None:
+        """The run is over: the ledger is put away."""
+        if self._ledger is not None:
+            self._ledger.close()
+
     def _decode(self, inbox: tuple[Frame, ...]) -> list[Heard]:
         """What was heard in the behaviour's vocabulary; what is not in it is counted and dropped."""
         if self._behaviour.Radio is None:
@@ -96,6 +101,7 @@ def live(ticket: Ticket, package: str, memory: list[bytes], ledger: Ledger | Non
             if answer:
                 action.put(answer)
     finally:
+        mind.close()
         link.close()
 
 
