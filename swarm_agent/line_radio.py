@@ -99,8 +99,8 @@ class Relay:
     its range before long. What is said where there is contact the tower hears; it need not be said again.
 
     The line has a hole while a segment is vacant. A report is kept, and said again, until a copy is heard
-    from nearer the tower: so it gets across when the hole closes. Who carried it on may drive outward with it;
-    whoever hears it from there later takes it up again. Orders the tower repeats itself.
+    from nearer the tower: so it gets across when the hole closes. Who carried it on may drive outward with
+    it; whoever hears it from there later takes it up again. Orders the tower repeats itself.
     """
 
     def __init__(self, node: str, tower: str, age_ticks: int, hops_most: int, contact_ticks: int) -> None:
