@@ -99,13 +99,15 @@ class Relay:
     its range before long. What is said where there is contact the tower hears; it need not be said again.
 
     The line has a hole while a segment is vacant. A report is kept, and said again, until a copy is heard
-    from nearer the tower: so it gets across when the hole closes. Orders the tower repeats itself.
+    from nearer the tower: so it gets across when the hole closes. Who carried it on may drive outward with
+    it; whoever hears it from there later takes it up again. Orders the tower repeats itself.
     """
 
     def __init__(self, node: str, tower: str, age_ticks: int, hops_most: int, contact_ticks: int) -> None:
         self._node, self._tower = node, tower
         self._age_ticks, self._hops_most, self._contact_ticks = age_ticks, hops_most, contact_ticks
         self._seen: dict[Name, int] = {}
+        """When each message was last said here, or heard from further on its way."""
         self._contact: tuple[int, float] | None = None
         """When the tower was heard, and the straight distance up to which that counts."""
         self._onward: list[Envelope] = []
@@ -115,25 +117,31 @@ class Relay:
 
     def hear(self, tick: int, heard: Sequence[Heard], place: Place) -> list[Word]:
         """What is new in an inbox; what of it no copy has carried further than here is kept for `outbox`."""
-        self._seen = {name: said for name, said in self._seen.items() if tick - said <= self._age_ticks}
+        self._seen = {name: last for name, last in self._seen.items() if tick - name[1] <= self._age_ticks}
         new: dict[Name, Envelope] = {}
+        returned: dict[Name, Envelope] = {}
         carried = set()
         for sender, sent_tick, envelope in heard:
             if sender == self._tower:
                 self._hear_tower(tick, sent_tick, place.apart_m)
             name = _name(envelope)
-            if name in self._kept and envelope.distance_m < self._kept[name][0].distance_m:
-                del self._kept[name]
-            too_old = tick - envelope.said_tick > self._age_ticks
-            if too_old or name in self._seen or envelope.origin == self._node:
+            if tick - envelope.said_tick > self._age_ticks:
                 continue
-            new.setdefault(name, envelope)
             if not _is_behind(envelope, place.distance_m):
                 carried.add(name)
-        self._seen |= {name: envelope.said_tick for name, envelope in new.items()}
+            if name in self._kept and envelope.distance_m < self._kept[name][0].distance_m:
+                del self._kept[name]
+            if name in self._seen:
+                lately = tick - self._seen[name] < AGAIN_TICKS
+                if isinstance(envelope.message, Report) and not lately and name not in self._kept:
+                    returned[name] = envelope
+            elif envelope.origin != self._node:
+                new.setdefault(name, envelope)
         if not place.waits and self._node != self._tower:
-            onward = [one for name, one in new.items() if name not in carried and self._travels_on(one)]
+            both = (new | returned).items()
+            onward = [one for name, one in both if name not in carried and self._travels_on(one)]
             self._onward += [self._copy(tick, one, place, one.hops + 1) for one in onward]
+        self._seen |= dict.fromkeys((*new, *(carried & self._seen.keys())), tick)
         return [Word(one.origin, one.said_tick, one.message, one.hops) for one in new.values()]
 
     def in_contact(self, tick: int, apart_m: float) -> bool:
@@ -157,6 +165,7 @@ class Relay:
             number += 1
         self._said = (tick, number)
         self._keep(tick, (*onward, *own))
+        self._seen |= {_name(one): tick for one in (*onward, *own)}
         return (*onward, *own)
 
     def next_tick(self) -> int | None:

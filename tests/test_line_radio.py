@@ -130,6 +130,21 @@ def test_a_report_that_nobody_carries_on_is_said_again_until_somebody_does():
     assert node.next_tick() is None
 
 
+def test_a_report_that_is_driven_the_wrong_way_is_taken_up_again():
+    node = relay()
+    (own,) = node.outbox(10, (REPORT,), at(20.0), relay=True)
+    node.hear(12, [Heard("r3", 11, replace(own, distance_m=19.0, hops=1))], at(20.0))
+    assert node.next_tick() is None
+    for tick, distance_m in ((14, 20.5), (17, 21.0)):
+        words = node.hear(
+            tick, [Heard("r3", tick - 1, replace(own, distance_m=distance_m, hops=1))], at(20.0)
+        )
+        assert words == []
+        said = node.outbox(tick, (), at(20.0), relay=False)
+        assert [one.distance_m for one in said] == [20.0] * (tick == 17), "not when it was just carried on"
+    assert node.next_tick() == 17 + AGAIN_TICKS
+
+
 def test_a_report_is_kept_no_longer_than_it_is_heard_or_the_last_word_of_its_robot():
     node = relay(age_ticks=12)
     node.outbox(10, (REPORT,), at(20.0), relay=True)
