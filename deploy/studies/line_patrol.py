@@ -93,7 +93,7 @@ def figures(summaries: Summaries, seeds: int) -> list[Bars]:
         "figure-6",
         "Longest time between visits to the outer end of each segment, 10 robots on 6 segments (Fig. 6)",
         "s",
-        segments,
+        tuple(f"segment {one}" for one in segments),
         {rule: tuple(_outer(metrics, rule, one, "max") for one in segments) for rule in RULES},
         {},
     )
@@ -167,7 +167,7 @@ def _intervals(metrics: Metrics) -> Table:
             for rule in RULES
         ]
         rows.append((segment, *cells))
-    remark = "The paper says that leap-frog has the shorter intervals, and gives no numbers."
+    remark = "The paper says that leap-frog has shorter intervals, and gives no numbers."
     title = "Time between visits to the outer end in s, mean / longest, 10/6 (Fig. 6)"
     return Table(title, ("segment", *RULES), tuple(rows), remark)
 
