@@ -40,11 +40,17 @@ def robot(node: str, state: State = "patrol", segment: int = 0, **fields: Any) -
 
 
 def report(
-    node: str, tick: int, state: State = "queue", segment: int = 0, hops: int = 0, **fields: Any
+    node: str,
+    tick: int,
+    state: State = "queue",
+    segment: int = 0,
+    hops: int = 0,
+    relay: bool = False,
+    **fields: Any,
 ) -> Heard:
     """A robot's word of itself as the tower hears it."""
     word = Report(state, segment, **({"battery_v": 9.0} | fields))
-    return Heard(node, tick, Envelope(node, tick, 0, word, 5.0, True, hops))
+    return Heard(node, tick, Envelope(node, tick, 0, word, 5.0, relay, hops))
 
 
 class Watch:

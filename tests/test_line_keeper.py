@@ -128,6 +128,16 @@ def test_a_roll_call_is_answered_once_and_the_roll_is_called_every_round():
     assert watch.rolls() == [(False, False)]
 
 
+def test_who_does_not_know_that_the_tower_hears_it_is_shown():
+    watch = deployed()
+    watch.step(110, watch.obey("r2", 109, relay=True))
+    assert watch.rolls() == [(False, False)]
+    watch.step(112, watch.obey("r2", 111))
+    assert watch.rolls() == []
+    watch.until(200)
+    assert watch.rolls() == [(False, False)], "the next round comes as it would have come"
+
+
 def test_order_numbers_grow_for_ever():
     watch = deployed(rule="leapfrog")
     watch.step(101, watch.obey("r2", 100, **HOME), watch.obey("r3", 100, **HOME))

@@ -108,7 +108,8 @@ class LineKeeper(Behaviour):
             self._resolve_double_claims(tick)
             self._dispatch(tick)
         call_tick = self.roster.next_call_tick()
-        say = self._say(tick, calls, answer=begins or (call_tick is not None and tick >= call_tick))
+        answer = begins or (call_tick is not None and tick >= call_tick)
+        say = self._say(tick, calls, answer, any(_is_unaware(one.message) for one in heard))
         self._promised_tick = self._next_tick(tick)
         record = tuple(self._record)
         return Move(None, say, self._promised_tick, WAKE_ON_FRAME, self._report(hops), record)
@@ -241,15 +242,18 @@ class LineKeeper(Behaviour):
                 self.vacant.pop(entry.segment, None)
                 self.once_covered.add(entry.segment)
 
-    def _say(self, tick: int, calls: bool, answer: bool) -> tuple[Envelope, ...]:
-        """The roll and the orders that are due; what may not be heard directly is to be passed on."""
+    def _say(self, tick: int, calls: bool, answer: bool, show: bool) -> tuple[Envelope, ...]:
+        """The roll and the orders that are due; what may not be heard directly is to be passed on.
+
+        To `show` that it is in range the tower calls the roll once more.
+        """
         direct, passed_on = [], []
         if calls:
             self._round_tick = tick + self._round_ticks
         if answer:
             self.roster.call(tick)
             passed_on.append(Roll(answer))
-        elif calls:
+        elif calls or show:
             direct.append(Roll())
         for order, again in self.orders.due(tick):
             far = again or self._is_far(tick, order.to)
@@ -286,3 +290,8 @@ class LineKeeper(Behaviour):
 
     def _ticks(self, duration_s: float) -> int:
         return max(1, round(duration_s / self.configuration.tick_s))
+
+
+def _is_unaware(envelope: Envelope) -> bool:
+    """Does who said this not know that the tower hears it?"""
+    return envelope.relay and isinstance(envelope.message, Report)
