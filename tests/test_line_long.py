@@ -22,7 +22,7 @@ from wire.line import Line
 from wire.scenario import Scenario
 from world_server.journal import commits
 
-DURATION_S = 2400
+DURATION_S = 2700
 DEPLOYED_S = 400
 SPLIT_S, HEALED_S = 600, 1800
 HOPS_TO_THE_END = 6  # 22.8 m from the tower, 3.6 m each but for what is lost by where robots stand
