@@ -165,6 +165,13 @@ def test_of_two_robots_with_one_segment_the_older_order_goes_home(other, goes):
         assert robot.said[0].segment == 2, "it answers, so that the other knows"
 
 
+def test_a_newer_claim_holds_whatever_older_claims_are_heard_with_it():
+    robot = LineRobot().on_patrol(2)
+    newer, older = (Report("patrol", 2, 9.0, robot.mind.order + by) for by in (1, -1))
+    robot.wake(robot.hears(newer, origin="r9"), robot.hears(older, origin="r8"))
+    assert robot.said[0].state == "home"
+
+
 def test_of_two_robots_with_equal_orders_the_lower_number_stays():
     robot = LineRobot().on_patrol(2)
     robot.wake(robot.hears(Report("patrol", 2, 9.0, robot.mind.order), origin="r9"))

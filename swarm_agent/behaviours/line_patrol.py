@@ -155,7 +155,7 @@ class LinePatrol(Behaviour):
         Who yields goes at once, in the middle of its lap: the segment is the other's to cover.
         """
         own = self.configuration.node
-        self._yields = (order, -number_of(other)) > (self.order, -number_of(own))
+        self._yields |= (order, -number_of(other)) > (self.order, -number_of(own))
         self._tell = True
 
     def _in_queue(self, senses: Senses, position: tuple[float, float]) -> Motion | None:
