@@ -1,5 +1,6 @@
 """The shapes a field can have, as scenarios describe them and as nodes are told of them."""
 
+import math
 from typing import Annotated
 
 import msgspec
@@ -29,6 +30,19 @@ class Grid(msgspec.Struct, frozen=True, tag_field="kind", tag="grid", forbid_unk
             (first + column * self.cell_m, first + row * self.cell_m)
             for column in range(self.columns)
             for row in range(self.rows)
+        ]
+
+    def neighbours(self, site: int) -> list[tuple[int, float]]:
+        """The up to eight cells around a cell, in order of their number, and how far their centres are."""
+        column, row = divmod(site, self.rows)
+        return [
+            (
+                other_column * self.rows + other_row,
+                self.cell_m * math.hypot(other_column - column, other_row - row),
+            )
+            for other_column in range(max(0, column - 1), min(self.columns, column + 2))
+            for other_row in range(max(0, row - 1), min(self.rows, row + 2))
+            if (other_column, other_row) != (column, row)
         ]
 
 

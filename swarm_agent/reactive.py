@@ -1,0 +1,67 @@
+"""The simple patrol rules: at each site a robot chooses among its neighbours, by what it knows itself.
+
+Source: Portugal and Rocha's patrolling_sim and the papers it implements; their robots drive on graphs, and
+here a cell's neighbours are the up to eight around it. What a robot has visited it tells the tower, as in
+Kobayashi et al. 2025, section V-A; of other robots' visits it learns nothing.
+"""
+
+from abc import abstractmethod
+from collections.abc import Sequence
+
+import numpy as np
+
+from swarm_agent.behaviour import Behaviour, Heard, Move, Parameters
+from swarm_agent.knowledge import AnyBulletin, AssumedIdleness, Bulletin
+from wire.messages import Configuration, GoTo, Percept, Pose
+
+
+class Reactive(Behaviour):
+    """A robot that goes from site to neighbouring site. A rule says how good each neighbour is."""
+
+    Radio = AnyBulletin
+
+    def __init__(
+        self, parameters: Parameters, configuration: Configuration, generator: np.random.Generator
+    ) -> None:
+        super().__init__(parameters, configuration, generator)
+        self.sites_m = configuration.field.sites_m()
+        self.knowledge = AssumedIdleness(len(self.sites_m))
+        self.target = -1
+        self.since_tick = -1
+
+    @abstractmethod
+    def worth(self, idle_s: np.ndarray, costs_m: np.ndarray) -> np.ndarray:
+        """How good each neighbour is, from its idleness and from how far it is, in order of their numbers."""
+
+    def step(self, percept: Percept, heard: Sequence[Heard]) -> Move:
+        """Note a visit that is complete, choose the next site, and say what is known."""
+        tick, pose = percept.tick, percept.senses.pose
+        if self.target < 0:
+            self.since_tick, self.target = tick, self._nearest(pose)
+        elif self._is_at(pose, self.target):
+            self.knowledge.note_visit(self.target, tick)
+            self.target = self._next(tick)
+        x_m, y_m = self.sites_m[self.target]
+        say = Bulletin(self.knowledge.newest(len(self.sites_m)), (), self.since_tick)
+        motion = GoTo(x_m, y_m, self.configuration.field.visit_within_m)
+        return Move(motion, (say,), tick + 1)
+
+    def _next(self, tick: int) -> int:
+        """The best neighbour; one of the best at random where several are equal. A lone site is visited again."""
+        neighbours = self.configuration.field.neighbours(self.target)
+        if not neighbours:
+            return self.target
+        sites, costs_m = (np.array(column) for column in zip(*neighbours, strict=True))
+        idle_s = self.knowledge.idle_ticks(tick)[sites] * self.configuration.tick_s
+        worth = self.worth(idle_s, costs_m)
+        return int(self.generator.choice(sites[worth == worth.max()]))
+
+    def _nearest(self, pose: Pose) -> int:
+        return min(range(len(self.sites_m)), key=lambda site: self._apart_m(pose, site))
+
+    def _is_at(self, pose: Pose, site: int) -> bool:
+        return self._apart_m(pose, site) <= self.configuration.field.visit_within_m
+
+    def _apart_m(self, pose: Pose, site: int) -> float:
+        x_m, y_m = self.sites_m[site]
+        return float(np.hypot(x_m - pose.x_m, y_m - pose.y_m))

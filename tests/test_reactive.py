@@ -1,0 +1,86 @@
+"""The simple rules, decision by decision, and what they do to a field."""
+
+import numpy as np
+import pytest
+
+from swarm_agent.behaviour import Parameters
+from swarm_agent.behaviours.conscientious_reactive import ConscientiousReactive
+from swarm_agent.behaviours.heuristic_conscientious_reactive import HeuristicConscientiousReactive
+from swarm_agent.behaviours.random import Random
+from tests.builders import configuration, course, entries, percept, scenario
+from wire.fields import Grid
+
+FIELD = Grid(3, 3, 30.0)
+CENTRE = 4  # of nine cells; its neighbours are all others
+
+
+def robot(kind, seed=1, field=FIELD):
+    """A robot that stands on the centre and has just visited it at tick 0."""
+    one = kind(Parameters(), configuration(field=field), np.random.Generator(np.random.Philox(seed)))
+    one.step(percept(0, 45.0, 45.0), [])
+    assert one.target == CENTRE
+    return one
+
+
+def next_target(one, tick=1000, **visited):
+    for site, at in visited.items():
+        one.knowledge.note_visit(int(site[1:]), at)
+    one.step(percept(tick, 45.0, 45.0), [])
+    return one.target
+
+
+def test_a_cell_in_a_corner_has_three_neighbours_an_inner_one_eight():
+    assert [site for site, _ in FIELD.neighbours(0)] == [1, 3, 4]
+    assert [site for site, _ in FIELD.neighbours(CENTRE)] == [0, 1, 2, 3, 5, 6, 7, 8]
+    assert dict(FIELD.neighbours(0)) == pytest.approx({1: 30.0, 3: 30.0, 4: 30.0 * 2**0.5})
+
+
+def test_conscientious_reactive_takes_the_neighbour_not_visited_for_longest():
+    """Source: patrolling_sim, CR: the greatest idleness over the neighbours."""
+    seen = {f"s{site}": 500 for site in (0, 1, 2, 3, 5, 6, 8)}
+    assert next_target(robot(ConscientiousReactive), **seen, s7=499) == 7
+
+
+def test_heuristic_conscientious_reactive_weighs_the_way():
+    """Source: patrolling_sim, HCR. At 1000 s cell 0 (42.4 m) is idle for 900 s, cell 1 (30 m) for 700 s, the
+    others for 100 s: 0 + 1 against 0.293 + 0.778 = 1.071.
+    """
+    seen = {f"s{site}": 900 for site in (2, 3, 5, 6, 7, 8)}
+    assert next_target(robot(HeuristicConscientiousReactive), **seen, s0=100, s1=300) == 1
+    assert next_target(robot(HeuristicConscientiousReactive), **seen, s0=100, s1=370) == 0, "0.293 + 0.7 < 1"
+    assert next_target(robot(ConscientiousReactive), **seen, s0=100, s1=300) == 0
+
+
+def test_at_the_beginning_all_idleness_is_zero_and_only_the_way_counts():
+    """Source: patrolling_sim, HCR: the second term is 0 where the greatest idleness is."""
+    one = HeuristicConscientiousReactive(
+        Parameters(), configuration(field=FIELD), np.random.Generator(np.random.Philox(1))
+    )
+    worth = one.worth(np.zeros(2), np.array([30.0, 60.0]))
+    assert worth.tolist() == [0.5, 0.0]
+
+
+@pytest.mark.parametrize("kind", [Random, ConscientiousReactive])
+def test_equal_neighbours_are_equally_likely(kind):
+    found = {next_target(robot(kind, seed)) for seed in range(60)}
+    assert found == {0, 1, 2, 3, 5, 6, 7, 8}
+
+
+def test_a_field_of_one_cell_is_visited_again_and_again():
+    one = Random(Parameters(), configuration(field=Grid(1, 1)), np.random.Generator(np.random.Philox(1)))
+    for tick in range(3):
+        one.step(percept(tick, 15.0, 15.0), [])
+    assert one.target == 0
+
+
+def test_it_tells_what_it_has_visited_and_nothing_else():
+    one = robot(ConscientiousReactive)
+    move = one.step(percept(7, 45.0, 45.0), [])
+    assert {site: tick for site, tick in entries(move.say[0].news).items() if tick} == {CENTRE: 7}
+
+
+@pytest.mark.parametrize("name", ["conscientious_reactive", "heuristic_conscientious_reactive"])
+def test_a_conscientious_robot_alone_visits_every_cell(name, tmp_path):
+    given = scenario(1, name, poses=[(15.0, 15.0, 0.0)], duration_s=1500.0)
+    run = course(given, tmp_path)
+    assert {site for _, _, site in run.visits()} == set(range(25))
