@@ -2,11 +2,12 @@
 
 Source: Portugal and Rocha's patrolling_sim and the papers it implements; their robots drive on graphs, and
 here a cell's neighbours are the up to eight around it. What a robot has visited it tells the tower, as in
-Kobayashi et al. 2025, section V-A; of other robots' visits it learns nothing.
+Kobayashi et al. 2025, section V-A; what it learns of others' visits is the rule's business.
 """
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -30,30 +31,40 @@ class Reactive(Behaviour):
         self.since_tick = -1
 
     @abstractmethod
-    def worth(self, idle_s: np.ndarray, costs_m: np.ndarray) -> np.ndarray:
-        """How good each neighbour is, from its idleness and from how far it is, in order of their numbers."""
+    def worth(self, sites: np.ndarray, idle_s: np.ndarray, costs_m: np.ndarray) -> np.ndarray:
+        """How good each neighbour is: its number, its idleness, and how far it is."""
+
+    def hear(self, heard: Sequence[Heard]) -> None:
+        """Learn from what other robots say; most rules do not."""
+
+    def announce(self, completed: int) -> Any:
+        """What others are told when a visit is complete and the next site chosen; most rules are mute."""
+        return None
 
     def step(self, percept: Percept, heard: Sequence[Heard]) -> Move:
         """Note a visit that is complete, choose the next site, and say what is known."""
-        tick, pose = percept.tick, percept.senses.pose
+        tick, pose, message = percept.tick, percept.senses.pose, None
+        self.hear(heard)
         if self.target < 0:
             self.since_tick, self.target = tick, self._nearest(pose)
         elif self._is_at(pose, self.target):
-            self.knowledge.note_visit(self.target, tick)
+            completed = self.target
+            self.knowledge.note_visit(completed, tick)
             self.target = self._next(tick)
+            message = self.announce(completed)
         x_m, y_m = self.sites_m[self.target]
-        say = Bulletin(self.knowledge.newest(len(self.sites_m)), (), self.since_tick)
+        say = Bulletin(self.knowledge.newest(len(self.sites_m)), (), self.since_tick, message)
         motion = GoTo(x_m, y_m, self.configuration.field.visit_within_m)
         return Move(motion, (say,), tick + 1)
 
     def _next(self, tick: int) -> int:
-        """The best neighbour; one of the best at random where several are equal. A lone site is visited again."""
+        """The best neighbour, one of several equal ones at random. A lone site is visited again."""
         neighbours = self.configuration.field.neighbours(self.target)
         if not neighbours:
             return self.target
         sites, costs_m = (np.array(column) for column in zip(*neighbours, strict=True))
         idle_s = self.knowledge.idle_ticks(tick)[sites] * self.configuration.tick_s
-        worth = self.worth(idle_s, costs_m)
+        worth = self.worth(sites, idle_s, costs_m)
         return int(self.generator.choice(sites[worth == worth.max()]))
 
     def _nearest(self, pose: Pose) -> int:

@@ -3,11 +3,14 @@
 import numpy as np
 import pytest
 
-from swarm_agent.behaviour import Parameters
+from swarm_agent.behaviour import Heard, Parameters
 from swarm_agent.behaviours.conscientious_reactive import ConscientiousReactive
+from swarm_agent.behaviours.gbs import Arrival, Gbs
 from swarm_agent.behaviours.heuristic_conscientious_reactive import HeuristicConscientiousReactive
 from swarm_agent.behaviours.random import Random
-from tests.builders import configuration, course, entries, percept, scenario
+from swarm_agent.behaviours.sebs import Sebs
+from swarm_agent.knowledge import Bulletin
+from tests.builders import NO_NEWS, configuration, course, entries, percept, scenario
 from wire.fields import Grid
 
 FIELD = Grid(3, 3, 30.0)
@@ -56,7 +59,7 @@ def test_at_the_beginning_all_idleness_is_zero_and_only_the_way_counts():
     one = HeuristicConscientiousReactive(
         Parameters(), configuration(field=FIELD), np.random.Generator(np.random.Philox(1))
     )
-    worth = one.worth(np.zeros(2), np.array([30.0, 60.0]))
+    worth = one.worth(np.arange(2), np.zeros(2), np.array([30.0, 60.0]))
     assert worth.tolist() == [0.5, 0.0]
 
 
@@ -64,6 +67,63 @@ def test_at_the_beginning_all_idleness_is_zero_and_only_the_way_counts():
 def test_equal_neighbours_are_equally_likely(kind):
     found = {next_target(robot(kind, seed)) for seed in range(60)}
     assert found == {0, 1, 2, 3, 5, 6, 7, 8}
+
+
+def talker(kind, **parameters):
+    """A robot of a rule that talks, on the centre at tick 0."""
+    given = kind.Parameters(**parameters).settled(4)
+    one = kind(given, configuration(field=FIELD), np.random.Generator(np.random.Philox(1)))
+    one.step(percept(0, 45.0, 45.0), [])
+    return one
+
+
+def told(sender, tick, site, next_site):
+    return Heard(sender, tick, Bulletin(NO_NEWS, (), 0, Arrival(site, next_site)))
+
+
+def test_gbs_weighs_idleness_per_way():
+    """Source: patrolling_sim, GBS: 900 s over 42.4 m are 21.2 s/m, 700 s over 30 m are 23.3 s/m."""
+    seen = {f"s{site}": 900 for site in (2, 3, 5, 6, 7, 8)}
+    assert next_target(talker(Gbs), **seen, s0=100, s1=300) == 1
+    assert next_target(talker(Gbs), **seen, s0=100, s1=370) == 0, "630 / 30 < 900 / 42.4"
+    worth = talker(Gbs).worth(np.arange(3), np.array([0.0, 1500.0, 6000.0]), np.full(3, 30.0))
+    assert worth == pytest.approx([0.1, 0.1**0.5, 1.0])
+
+
+def test_gbs_learns_of_others_visits():
+    """Source: patrolling_sim, GBS sends [id, 31, current]."""
+    one = talker(Gbs)
+    one.step(percept(900, 0.0, 0.0), [told("r5", 899, 7, 8)])
+    assert one.knowledge.visited_tick[7] == 899 and one.knowledge.visited_tick[8] == 0
+    one.step(percept(901, 0.0, 0.0), [told("r6", 500, 7, 8)])
+    assert one.knowledge.visited_tick[7] == 899, "an older visit is no news"
+
+
+def test_gbs_says_where_it_was_and_where_it_goes():
+    one = talker(Gbs)
+    move = one.step(percept(7, 45.0, 45.0), [])
+    assert move.say[0].message == Arrival(CENTRE, one.target)
+    assert one.step(percept(8, 45.0, 45.0), []).say[0].message is None, "only once"
+
+
+def test_sebs_shuns_where_others_go():
+    """Source: patrolling_sim, SEBS: R = 3; one robot on its way: 2^2 / (2^3 - 1) = 4/7, two: 2/7."""
+    one, sites = talker(Sebs), np.array([0, 1, 2])
+    assert one.parameters.team == 3
+    before = one.worth(sites, np.full(3, 300.0), np.full(3, 30.0))
+    one.step(percept(900, 0.0, 0.0), [told("r5", 899, 7, 1), told("r6", 899, 8, 2), told("r4", 899, 6, 2)])
+    after = one.worth(sites, np.full(3, 300.0), np.full(3, 30.0))
+    assert after / before == pytest.approx([1.0, 4 / 7, 2 / 7])
+    one.step(percept(901, 0.0, 0.0), [told("r5", 900, 1, 0)])
+    assert one.worth(sites, np.full(3, 300.0), np.full(3, 30.0)) / before == pytest.approx(
+        [4 / 7, 1.0, 2 / 7]
+    )
+
+
+def test_a_word_about_a_site_that_is_none_is_no_visit():
+    one = talker(Gbs)
+    one.step(percept(900, 0.0, 0.0), [told("r5", 899, 9, 0), told("r5", 899, -1, 0)])
+    assert one.knowledge.visited_tick.max() == 0
 
 
 def test_a_field_of_one_cell_is_visited_again_and_again():

@@ -11,6 +11,6 @@ from swarm_agent.reactive import Reactive
 class ConscientiousReactive(Reactive):
     """Idleness decides."""
 
-    def worth(self, idle_s: np.ndarray, costs_m: np.ndarray) -> np.ndarray:
+    def worth(self, sites: np.ndarray, idle_s: np.ndarray, costs_m: np.ndarray) -> np.ndarray:
         """The longer ago the better."""
         return idle_s

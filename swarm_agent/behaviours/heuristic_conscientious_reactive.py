@@ -12,7 +12,7 @@ from swarm_agent.reactive import Reactive
 class HeuristicConscientiousReactive(Reactive):
     """Idleness and distance decide, each as a share of the greatest among the neighbours."""
 
-    def worth(self, idle_s: np.ndarray, costs_m: np.ndarray) -> np.ndarray:
+    def worth(self, sites: np.ndarray, idle_s: np.ndarray, costs_m: np.ndarray) -> np.ndarray:
         """The sum of both shares."""
         near = (costs_m.max() - costs_m) / costs_m.max()
         return near + (idle_s / idle_s.max() if idle_s.max() > 0 else 0.0)

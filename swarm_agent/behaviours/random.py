@@ -11,6 +11,6 @@ from swarm_agent.reactive import Reactive
 class Random(Reactive):
     """Draws the next site."""
 
-    def worth(self, idle_s: np.ndarray, costs_m: np.ndarray) -> np.ndarray:
+    def worth(self, sites: np.ndarray, idle_s: np.ndarray, costs_m: np.ndarray) -> np.ndarray:
         """All are equal."""
         return np.ones(len(idle_s))
