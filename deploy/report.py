@@ -83,6 +83,8 @@ def _area_rows(table: Table, metrics: dict[str, Any]) -> None:
         table.add_column(heading, justify=justify)
     for name, label in LABELS.items():
         table.add_row(label, _number(metrics[name], 1), _number(metrics[f"normalised_{name}"], 2))
+    intervals = [_number(metrics[f"node_interval_{name}_s"], 1) for name in ("mean", "max")]
+    table.add_row("node interval, mean / max", " / ".join(intervals), "")
 
 
 def _line_rows(table: Table, metrics: dict[str, Any]) -> None:

@@ -8,13 +8,15 @@ SA delay is t minus the last visit that the tower process has reported to know.
     normalised      = value * (N - 1) / K, N nodes with the tower, K sites
 
 Means are over the ticks from `metrics_from_s` on. The paper prints 1/T where it sums T - t0 + 1 terms; we
-divide by the number of terms. A site counts as visited at tick 0.
+divide by the number of terms. A site counts as visited at tick 0. Idleness as other papers define it is in
+intervals.py.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
+from deploy.metrics.intervals import Intervals
 from swarm_agent.knowledge import merge_news
 from tower.base_station import Awareness
 from wire import codec
@@ -43,6 +45,7 @@ class AreaMetrics:
         self.visited_tick = np.zeros(sites, dtype=np.int64)
         self.known_tick = np.zeros(sites, dtype="<u4")
         self._from_tick = scenario.tick_of(scenario.metrics_from_s)
+        self._intervals = Intervals(sites, self._from_tick)
         self._next_tick = 0
         self._terms = 0
         self._sums = np.zeros(2)
@@ -52,6 +55,8 @@ class AreaMetrics:
         """Take in one tick. Ticks between this and the last one are filled in: nothing happened in them."""
         for tick in range(self._next_tick, facts.tick):
             self._measure(tick)
+        if facts.visits:
+            self._intervals.feed(facts.tick, [site for _, site in facts.visits])
         for _, site in facts.visits:
             self.visited_tick[site] = facts.tick
         for node, report in facts.reports:
@@ -60,8 +65,11 @@ class AreaMetrics:
         self._next_tick = facts.tick + 1
         return self._measure(facts.tick)
 
-    def summary(self) -> dict[str, float | None]:
-        """The run's metrics, raw and normalised; None where the run ended before `metrics_from_s`."""
+    def summary(self) -> dict[str, float | int | None]:
+        """The run's metrics, raw and normalised, and those of intervals.py.
+
+        None where the run ended before `metrics_from_s`.
+        """
         if self._terms == 0:
             values = dict.fromkeys(NAMES)
         else:
@@ -69,7 +77,8 @@ class AreaMetrics:
             values = dict(zip(NAMES, (means[0], self._worst[0], means[1], self._worst[1]), strict=True))
         share = len(self._scenario.robot_ids) / len(self.visited_tick)
         normalised = {f"normalised_{name}": _times(value, share) for name, value in values.items()}
-        return {name: _times(value, 1.0) for name, value in values.items()} | normalised
+        others = self._intervals.summary(self._next_tick - 1, self._scenario.tick_s)
+        return {name: _times(value, 1.0) for name, value in values.items()} | normalised | others
 
     def _learn(self, report: bytes) -> None:
         try:
