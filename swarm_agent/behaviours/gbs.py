@@ -1,4 +1,4 @@
-"""GBS: greedy Bayesian strategy. The gain of a neighbour is its idleness per way; robots tell of their visits.
+"""GBS: greedy Bayesian strategy. What a neighbour gains is idleness per way; robots tell of their visits.
 
 Source: Portugal and Rocha 2011, as patrolling_sim's GBS_Agent decides: P = G1 exp(ln(1 / G1) / G2 gain) for a
 gain below G2, else 1.
