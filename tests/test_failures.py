@@ -63,7 +63,7 @@ def test_a_robot_stopped_from_outside_is_named_and_waited_for(tmp_path):
 
 def test_a_robot_that_is_declared_dead_is_dead_and_the_run_goes_on_without_it(tmp_path):
     path = small(tmp_path, duration_s=300)
-    settings = ("--set", "watchdog.budget_s=0.2", "--set", "watchdog.policy=declare_dead")
+    settings = ("--set", "watchdog.budget_s=0.5", "--set", "watchdog.policy=declare_dead")
     with command(path, tmp_path / "out", *PACED, *settings) as run:
         process = psutil.Process(run.status()["pids"]["r3"])
         process.suspend()
@@ -76,7 +76,7 @@ def test_a_robot_that_is_declared_dead_is_dead_and_the_run_goes_on_without_it(tm
 
 def test_a_watchdog_that_aborts_ends_the_run_and_says_why(tmp_path):
     path = small(tmp_path, duration_s=300)
-    settings = ("--set", "watchdog.budget_s=0.2", "--set", "watchdog.policy=abort")
+    settings = ("--set", "watchdog.budget_s=0.5", "--set", "watchdog.policy=abort")
     with command(path, tmp_path / "out", *PACED, *settings) as run:
         psutil.Process(run.status()["pids"]["r3"]).suspend()
         processes = run.processes()
