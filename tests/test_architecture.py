@@ -74,6 +74,7 @@ PURE = (
     "tower/dispatch.py",
     "tower/line_keeper.py",
     "deploy/metrics/*.py",
+    "deploy/graph_file.py",
     "deploy/scene.py",
     "deploy/scenes/*.py",
     *(
