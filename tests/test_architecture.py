@@ -75,6 +75,7 @@ PURE = (
     "tower/line_keeper.py",
     "deploy/metrics/*.py",
     "deploy/graph_file.py",
+    "deploy/graph_paths.py",
     "deploy/scene.py",
     "deploy/scenes/*.py",
     *(
