@@ -74,6 +74,8 @@ PURE = (
     "tower/dispatch.py",
     "tower/line_keeper.py",
     "deploy/metrics/*.py",
+    "deploy/graph_file.py",
+    "deploy/graph_paths.py",
     "deploy/scene.py",
     "deploy/scenes/*.py",
     *(
