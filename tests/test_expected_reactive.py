@@ -1,4 +1,4 @@
-"""ER: its decisions by hand, its reservations, and short rehearsals. Source: Yan and Zhang 2016, and their code."""
+"""ER: its decisions by hand, its reservations, short rehearsals. Source: Yan and Zhang 2016, their code."""
 
 import math
 from typing import Any

@@ -27,8 +27,8 @@ class ExpectedReactiveParameters(Parameters, frozen=True):
     """Two choices that the sources leave open.
 
     `distance_min_m`: no edge counts as shorter. 0: every edge as it is. The authors take the mean edge (36.05
-    on the 20 x 20 cells of 30 m); their released code takes it in pixels, larger than any edge, so that travel
-    times are all equal: any value above the diagonal of a cell is that variant.
+    on the 20 x 20 cells of 30 m); their released code takes it in pixels, larger than any edge, so that all
+    travel times are equal: any value above the diagonal of a cell is that variant.
     `relay`: use all the tables that are heard (Algorithm 1 of LR-PT), the tower's too. Without it, as in the
     original, only visits that a neighbour itself just made; tables are for the tower alone.
     """
