@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import swarm_agent.behaviours
 import tower
 from swarm_agent.behaviour import Behaviour, find_behaviour, settled_parameters
+from swarm_agent.behaviours.expected_reactive import Decision
 from swarm_agent.knowledge import Bulletin
 from swarm_agent.line_radio import Envelope
 from swarm_agent.node import Mind, percepts_of
@@ -57,12 +58,13 @@ def first(package: str, name: str, generator_key: tuple[int, ...] = (1, 2)) -> P
 
 @cache
 def sound_frames() -> list[bytes]:
-    """Frames that our behaviours really say, from a bulletin without and with a duty."""
+    """Frames that our behaviours really say: bulletins without own words, with a duty, with a decision."""
     news = table(s1=4, s30=2)
     return [
         codec.encode(from_tower(3, news).message),
         codec.encode(from_robot("r3", 3, 5.0, 1, 2, 3, news).message),
         *(codec.encode(report("r3", tick, "patrol", 1 + tick % 6).message) for tick in (3, 7)),
+        codec.encode(Bulletin(news, (), 3, Decision(1, 8, 20.0))),
     ]
 
 
@@ -75,7 +77,7 @@ def a_life(package: str, name: str, ticks: int = 25, seed: int = 0) -> list[Perc
         heard = [
             Frame(f"r{number}", tick - 1, payload)
             for number, payload in zip(
-                (1, 3, 4, 5, 6), [*sound_frames(), draw.bytes(int(draw.integers(40)))], strict=True
+                (1, 3, 4, 5, 6, 7), [*sound_frames(), draw.bytes(int(draw.integers(40)))], strict=True
             )
             if draw.random() < 0.7
         ]
