@@ -8,10 +8,9 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from deploy.metrics.line import FLAT
 from wire.messages import Facts
 from wire.scenario import Scenario
-from world_server.nodes import DEAD
+from world_server.nodes import DEAD, FLAT
 
 PLAIN_EVERY_S = 5.0
 LABELS = {

@@ -27,11 +27,11 @@ from wire.scenario import PlannedFault, Scenario
 from world_server.clock import Befallen, Clock
 from world_server.events import EventLog
 from world_server.journal import Journal, commits
+from world_server.nodes import FLAT
 from world_server.world import World
 
 NOISE = 1.1
 """With noise on the velocities nothing takes longer than it should by more than this factor."""
-FLAT = 3
 Doing = dict[str, tuple[str, int]]
 """What each robot does and on which segment, as it said last; the dead are left out."""
 

@@ -1,12 +1,10 @@
 """The picture of a line patrol: ages of segments, charges, lanes; in recordings and live."""
 
-from collections import defaultdict
 from pathlib import Path
 
 import msgspec
 import numpy as np
 import pytest
-from rerun.chunk import RrdReader
 
 from deploy.dashboard import record
 from deploy.following import Follower
@@ -15,7 +13,7 @@ from deploy.scenes.line import LineMission
 from deploy.scenes.mission import BLUE, GREEN, GREY, RED, VIOLET, YELLOW
 from swarm_agent.line_radio import Report
 from tests.line_runs import EMPTY_V, FULL_V, Struck, line_facts, line_scenario, write_line_run
-from tests.test_dashboard import rows_of
+from tests.test_dashboard import rows_of, views_of
 from wire import codec
 from wire.fields import Polyline
 from wire.messages import Event, Facts, TruthBlock
@@ -211,14 +209,13 @@ def test_robots_are_drawn_as_large_as_they_are_unless_that_were_invisible() -> N
 
 
 def test_the_blueprint_has_all_views(run: Run, rows: dict[str, list]) -> None:
-    reader = RrdReader(run.folder / "recording.rrd")
-    seen = defaultdict(int)
-    for chunk in reader.stream(store=reader.blueprints()[0]):
-        batch = chunk.to_record_batch()
-        if "ViewBlueprint:class_identifier" in batch.schema.names:
-            for value in batch.column("ViewBlueprint:class_identifier").to_pylist():
-                seen[value[0]] += 1
-    assert seen == {"2D": 1, "TimeSeries": 4, "StateTimeline": 1, "TextLog": 1, "TextDocument": 1}
+    assert views_of(run.folder / "recording.rrd") == {
+        "2D": 1,
+        "TimeSeries": 4,
+        "StateTimeline": 1,
+        "TextLog": 1,
+        "TextDocument": 1,
+    }
 
 
 def test_the_description_says_how_to_read_it(run: Run) -> None:

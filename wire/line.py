@@ -50,7 +50,7 @@ class Line:
         ]
         self._starts = [math.fsum(self._lengths[:leg]) for leg in range(len(self._lengths))]
         self.length_m = math.fsum(self._lengths)
-        self.tower_arc_m, self.tower_aside_m = self.locate(tower_m)
+        self.tower_arc_m, _ = self.locate(tower_m)
         self.segments = [
             Segment(number, left, right, *self._near_first(left, right))
             for number, (left, right) in enumerate(_stretches(field, self.length_m), start=1)

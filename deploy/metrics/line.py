@@ -31,9 +31,9 @@ from tower.desk import Desk
 from wire import codec
 from wire.messages import Facts
 from wire.scenario import Scenario
+from world_server.nodes import DEAD, FLAT
 
 Told = TypeVar("Told", Desk, Report)
-DEAD, FLAT = 2, 3  # modes in facts
 ENDED_BY: dict[int, Cause] = {DEAD: "death", FLAT: "flat"}
 
 

@@ -13,7 +13,8 @@ that say they patrol the segment, or are on their way to it, are taken in.
 from typing import Literal
 
 Cause = Literal["recall", "shift", "death", "flat"]
-END_LEFT, MID, END_RIGHT = 0, 1, 2
+MID = 1
+"""The place of a segment's middle among its three sites; the others are its ends."""
 
 
 class Vacancy:
