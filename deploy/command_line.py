@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NoReturn
 
+from deploy import tune
 from deploy.compare import compare
 from deploy.operate import request
 from deploy.recorder import deaths
@@ -70,6 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     bench.set_defaults(do=_bench)
     positive = _number(float, "a number > 0", lambda value: 0 < value < math.inf)
     _add_reproduce(commands, some, positive)
+    tune.add_parser(commands, _number)
     scenarios = commands.add_parser("scenarios", help="the scenarios that come with Picket")
     scenarios.set_defaults(do=_scenarios)
     return parser

@@ -13,22 +13,33 @@ from wire.scenario import Scenario
 
 
 class SweepError(Exception):
-    """A rehearsal that failed; the text says which, with its last lines."""
+    """A rehearsal that failed; the text says which, with its last lines. `status`: as of its process."""
+
+    def __init__(self, text: str, status: int) -> None:
+        super().__init__(text)
+        self.status = status
 
 
 def sweep(
-    jobs: Mapping[str, Scenario], parent: Path, show: Callable[[int, int], None]
+    jobs: Mapping[str, Scenario],
+    parent: Path,
+    show: Callable[[int, int], None],
+    failed: dict[str, SweepError] | None = None,
 ) -> dict[str, dict[str, Any]]:
     """Rehearse every job in a folder of its own below `parent`; returns the summaries by name.
 
     `show` is told how many of how many are done. A folder whose scenario is the same and that has a summary
-    is taken as it is. Raises SweepError, and KeyboardInterrupt on Ctrl-C.
+    is taken as it is. Raises SweepError, and KeyboardInterrupt on Ctrl-C. Given `failed`, a rehearsal that
+    ends by itself with an error is put there, has no summary, and the others go on.
     """
-    return asyncio.run(_sweep(jobs, parent, show))
+    return asyncio.run(_sweep(jobs, parent, show, failed))
 
 
 async def _sweep(
-    jobs: Mapping[str, Scenario], parent: Path, show: Callable[[int, int], None]
+    jobs: Mapping[str, Scenario],
+    parent: Path,
+    show: Callable[[int, int], None],
+    failed: dict[str, SweepError] | None,
 ) -> dict[str, dict[str, Any]]:
     waiting = {name: scenario for name, scenario in jobs.items() if not _is_done(parent / name, scenario)}
     names, done = iter(waiting), len(jobs) - len(waiting)
@@ -37,7 +48,12 @@ async def _sweep(
     async def work() -> None:
         nonlocal done
         for name in names:
-            await _rehearse(parent / name, waiting[name])
+            try:
+                await _rehearse(parent / name, waiting[name])
+            except SweepError as error:
+                if failed is None or error.status < 0:  # killed: nothing that the scenario is to blame for
+                    raise
+                failed[name] = error
             done += 1
             show(done, len(jobs))
 
@@ -57,7 +73,7 @@ async def _sweep(
         for worker in workers:
             worker.cancel()
         await asyncio.gather(*workers, return_exceptions=True)
-    return {name: _summary(parent / name) for name in jobs}
+    return {name: _summary(parent / name) for name in jobs if name not in (failed or {})}
 
 
 async def _rehearse(folder: Path, scenario: Scenario) -> None:
@@ -73,7 +89,8 @@ async def _rehearse(folder: Path, scenario: Scenario) -> None:
     finally:
         await child.end()
     if child.status != 0:
-        raise SweepError(f"{folder}: the rehearsal ended with {child.status}:\n{child.last_lines()}")
+        text = f"{folder}: the rehearsal ended with {child.status}:\n{child.last_lines()}"
+        raise SweepError(text, child.status)
 
 
 def _is_done(folder: Path, scenario: Scenario) -> bool:
