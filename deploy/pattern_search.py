@@ -1,10 +1,10 @@
 """Pattern search: the least value of a function that can only be asked, never derived.
 
-Compass search: ask the neighbours of a point, one step up and down each axis; go to the best of them while one
-is better, else halve the step. Source: Kolda, Lewis and Torczon 2003, "Optimization by direct search", SIAM
-Review 45(3); Hooke and Jeeves 1961, J. ACM 8(2), named such methods direct search. We ask all neighbours before
-we go, so that they can be tried side by side, and leave out the pattern moves of Hooke and Jeeves. A neighbour
-beyond a bound is put on the bound.
+Compass search: ask the neighbours of a point, one step up and down each axis; go to the best of them while
+one is better, else halve the step. Source: Kolda, Lewis and Torczon 2003, "Optimization by direct search",
+SIAM Review 45(3); Hooke and Jeeves 1961, J. ACM 8(2), named such methods direct search. We ask all neighbours
+before we go, so that they can be tried side by side, and leave out the pattern moves of Hooke and Jeeves. A
+neighbour beyond a bound is put on the bound.
 
 Coordinates are exact fractions: a point that is reached by two ways is one point, and asked once.
 """
@@ -36,8 +36,9 @@ def search(
     """Every point that was asked with its value, in order; the first of the least values is the result.
 
     `ask` gets points that it never got before and answers their values; infinity: not possible there. The
-    first point is the start, alone. `step` and `smallest_step` (> 0) are shares of each axis; whole axes go one
-    at least. The search ends when no neighbour within the smallest step is better, or after `budget` points.
+    first point is the start, alone. `step` and `smallest_step` (> 0) are shares of each axis; whole axes go
+    whole steps, one at least. The search ends when no neighbour within the smallest step is better, or after
+    `budget` points.
     """
     here = tuple(axis.start for axis in axes)
     values = {here: ask([here])[0]}
@@ -60,7 +61,7 @@ def neighbours(here: Point, axes: Sequence[Axis], step: Fraction) -> list[Point]
     for place, axis in enumerate(axes):
         way = step * (axis.high - axis.low)
         if axis.whole:
-            way = Fraction(max(1, round(way)))
+            way = Fraction(max(1, math.floor(way)))
         for to in (max(axis.low, here[place] - way), min(axis.high, here[place] + way)):
             if to != here[place]:
                 found.append((*here[:place], to, *here[place + 1 :]))

@@ -1,7 +1,7 @@
 """Trying points: a rehearsal for every seed, folded into one score, and the record of a tuning.
 
-The score is the mean of the metric over the seeds; of several metrics the sum of each mean over its mean at the
-start point, so that each counts the same there. Less is better, unless the question says to maximise.
+The score is the mean of the metric over the seeds; of several metrics the sum of each mean over its mean at
+the start point, so that each counts the same there. Less is better, unless the question says to maximise.
 """
 
 import math
@@ -57,9 +57,9 @@ class Trials:
     def ask(self, points: list[Point]) -> list[float]:
         """The scores of new points, all their rehearsals side by side; negative what is to be maximised.
 
-        Infinity for a point that is refused: by the scenario, by an error of a node or of the rehearsal, or as
-        nothing was measured. Raises ScenarioError where that is the start point, SweepError where a rehearsal
-        was killed.
+        Infinity for a point that is refused: by the scenario, by an error of a node or of the rehearsal, or
+        because something was not measured. Raises ScenarioError where that is the start point, SweepError
+        where a rehearsal was killed.
         """
         numbered = dict(enumerate(points, len(self.outcomes) + 1))
         summaries, refused = self._rehearse(numbered)
@@ -107,14 +107,16 @@ class Trials:
             self._show(before + len(points) * done / max(total, 1), self.outcomes, self.best)
 
         failed: dict[str, SweepError] = {}
+        finished = sweep(jobs, self._folder, show, failed)
         summaries: dict[int, list[dict[str, Any]]] = {}
-        for name, summary in sweep(jobs, self._folder, show, failed).items():
-            summaries.setdefault(points_of[name], []).append(summary)
+        for name, number in points_of.items():  # in order, so that of several reasons always the same is told
+            if name in failed:
+                refused.setdefault(number, f"{name}: {_last_line(str(failed[name]))}")
+                continue
+            summaries.setdefault(number, []).append(finished[name])
             for death in deaths(self._folder / name):  # nobody kills in a rehearsal but the plan
                 why = f"{name}: {death['text']}: {_last_line(death['data']['last_lines'])}"
-                refused.setdefault(points_of[name], why)
-        for name, error in failed.items():
-            refused.setdefault(points_of[name], f"{name}: {_last_line(str(error))}")
+                refused.setdefault(number, why)
         return summaries, refused
 
     def _outcome(self, number: int, point: Point, summaries: list[dict[str, Any]], refused: str) -> Outcome:

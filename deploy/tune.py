@@ -175,7 +175,8 @@ class Shown:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._bar.stop()
+        if self._console.is_terminal:  # it writes an empty line even where it never started
+            self._bar.stop()
 
     def show(self, tried: float, outcomes: list[Outcome], best: Outcome | None) -> None:
         """Take note of points done and under way; `tried` counts the latter by their share."""
@@ -195,7 +196,9 @@ def _print(console: Console, question: Question, outcomes: list[Outcome], best: 
     score = ["sum of each over its start"] if several else []
     aim = "most" if question.maximise else "least"
     seeds = " ".join(map(str, question.seeds))
-    title = f"{question.scenario}: {aim} {' and '.join(question.metrics)}, means over seeds {seeds}"
+    title = (
+        f"{Path(question.scenario).stem}: {aim} {' and '.join(question.metrics)}, means over seeds {seeds}"
+    )
     table = Table(title=title, title_justify="left")
     for heading in ("point", *_short([one.key for one in question.parameters]), *question.metrics, *score):
         table.add_column(heading.replace("_", " "), justify="right")

@@ -137,7 +137,7 @@ def test_it_goes_to_the_best_neighbour_and_not_to_the_first_better_one():
 
 
 def test_what_is_refused_is_not_gone_to_and_does_not_end_the_search():
-    """The bottom is at 8; 6, a step from the start, is refused: a smaller step comes to 5, and stays there."""
+    """The bottom is at 8; 6, a step from the start, is refused: a smaller step comes to 5 and stays."""
     asked = Asked(lambda point: math.inf if point[0] == 6 else float(8 - point[0]))
     axis = Axis(Fraction(4), Fraction(0), Fraction(8), whole=True)
     values = search([axis], asked, QUARTER, HUNDREDTH, PLENTY)

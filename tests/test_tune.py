@@ -16,7 +16,7 @@ from tests.live_runs import small, until
 KEY = "robots.parameters.pause_ticks"
 SEEDS = ["--seeds", "101", "102"]
 WALK = [8, 3, 13, 6, 10, 4, 2, 5]
-"""From 8 within 1..20: 5 down and up, both refused; 2 down and up, then from 6; from 4, twice 1 down and up."""
+"""From 8 within 1..21: 5 down and up, both refused; 2 down and up, then on from 6; from 4 1 down and up."""
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def rehearsed(monkeypatch):
 
 def tuning(path, out, *more):
     """A command line: as many grants as there can be."""
-    wanted = ["--parameter", f"{KEY}:1..20", "--metric", "grants", "--maximise"]
+    wanted = ["--parameter", f"{KEY}:1..21", "--metric", "grants", "--maximise"]
     return ["tune", str(path), *wanted, *SEEDS, "--out", str(out), *more]
 
 
@@ -58,7 +58,7 @@ def runs_of(*pauses):
 def test_it_finds_the_best_and_goes_on_with_a_larger_budget_without_doing_anything_twice(
     path, tmp_path, rehearsed, capfd
 ):
-    """Fewer ticks of sleep are more grants, down to the 4 that no robot dies of; what failed is tried again."""
+    """Less sleep is more grants, down to the 4 ticks that no robot dies of. What failed is tried again."""
     out = tmp_path / "out"
     assert carry_out(tuning(path, out, "--evaluations", "3")) == 0
     assert [one["values"][KEY] for one in record(out)["points"]] == WALK[:3]
@@ -82,7 +82,8 @@ def test_it_finds_the_best_and_goes_on_with_a_larger_budget_without_doing_anythi
     assert rehearsed == runs_of(3)
     assert record(out) == found
     said = capfd.readouterr()
-    assert f"--set {KEY}=4\n" in said.out and "best" in said.out and "13 brings bad luck" in said.out
+    assert said.out.endswith(f"--set {KEY}=4\n")
+    assert (said.out.count(" best"), said.out.count("refused:")) == (1, 3)
     assert "8 of 40 evaluations, best 44" in said.err
 
 
@@ -133,38 +134,38 @@ def test_of_several_metrics_each_is_over_its_value_at_the_start_and_means_are_ov
     assert points[2]["score"] < points[0]["score"] < points[1]["score"], "who goes faster comes by more often"
 
 
-LOADED = [
-    ([f"{KEY}:1..20"], "grant", "--metric grant: there is no such metric; did you mean grants? known are graph_"),
-    ([f"{KEY}:1..20"], "visits.max", "--metric visits.max: there is no such metric"),
-    (["robots.parameters.pause:1..20"], "grants", "robots.parameters.pause is not a field; did you mean pause_ticks?"),
-    (["robots.parameters.pause=3:1..20"], "grants", "robots.parameters.pause is not a field; did you mean pause_ticks?"),
-    (["radio.rules.3.range_m:1..20"], "grants", "radio.rules.3.range_m=1: there is no such place in the scenario"),
-    (["robots.start.radius_m:1..20"], "grants", "--parameter robots.start.radius_m: the scenario has no value; give a"),
-    ([f"{KEY}=21:1..20"], "grants", f"--parameter {KEY}: the start 21 must be within its bounds 1..20"),
-    ([f"{KEY}:9..20"], "grants", f"--parameter {KEY}: the start 8 must be within its bounds 9..20"),
-    ([f"{KEY}:20..1"], "grants", f"--parameter: the lower bound must be below the upper one, got '{KEY}:20..1'"),
-    ([f"{KEY}:8..8"], "grants", "--parameter: the lower bound must be below the upper one"),
-    ([f"{KEY}:0.5..20"], "grants", f"--parameter {KEY}: bounds must be whole numbers, as the parameter is, got 0.5..20"),
-    ([f"{KEY}=8.5:1..20"], "grants", f"{KEY} must be a whole number, got 8.5"),
-    ([f"{KEY}=13:1..20"], "grants", "small.toml: robots.parameters: 13 brings bad luck"),
-    ([f"{KEY}:1..inf"], "grants", f"--parameter: must be key.path[=START]:LOW..HIGH in finite numbers, got '{KEY}:1..inf'"),
-    ([f"{KEY}=8"], "grants", "--parameter: must be key.path[=START]:LOW..HIGH in finite numbers"),
-    ([f"{KEY}=:1..20"], "grants", "--parameter: must be key.path[=START]:LOW..HIGH in finite numbers"),
-    ([":1..20"], "grants", "--parameter: must be key.path[=START]:LOW..HIGH in finite numbers"),
-    (["robots.parameters.mood:0..1"], "grants", "mood: must be a number to be tuned, is 'calm' in the scenario"),
-    (["robots.parameters.mood=1:0..2"], "grants", "robots.parameters.mood must be text, got 1"),
-    ([f"{KEY}:1..20", f"{KEY}:1..9"], "grants", f"--parameter {KEY}: is given twice"),
-    (["seed:1..20"], "grants", "--parameter seed: is nothing to tune; --seeds says which are run"),
-]  # fmt: skip
+FAN = ["--set", "robots.start={kind='fan'}", "--parameter", "robots.start.radius_m:1..20"]
+FORM = "--parameter: must be key.path[=START]:LOW..HIGH in finite numbers, got "
+PARAMETERS = [
+    ([f"{KEY}:1..20", f"{KEY}:1..9"], f"--parameter {KEY}: is given twice"),
+    (["seed:1..20"], "--parameter seed: is nothing to tune; --seeds says which are run"),
+    (["robots.parameters.pause:1..20"], "robots.parameters.pause is not a field; did you mean pause_ticks?"),
+    (
+        ["robots.parameters.pause=3:1..20"],
+        "robots.parameters.pause is not a field; did you mean pause_ticks?",
+    ),
+    (["robots.parameters.mood:0..1"], "mood: must be a number to be tuned, is 'calm' in the scenario"),
+    (["robots.parameters.mood=1:0..2"], "robots.parameters.mood must be text, got 1"),
+    (["radio.rules.3.range_m:1..20"], "radio.rules.3.range_m=1: there is no such place in the scenario"),
+    ([f"{KEY}=21:1..20"], f"--parameter {KEY}: the start 21 must be within its bounds 1..20"),
+    ([f"{KEY}:9..20"], f"--parameter {KEY}: the start 8 must be within its bounds 9..20"),
+    ([f"{KEY}:20..1"], f"--parameter: the lower bound must be below the upper one, got '{KEY}:20..1'"),
+    ([f"{KEY}:8..8"], "--parameter: the lower bound must be below the upper one"),
+    ([f"{KEY}:0.5..20"], "bounds must be whole numbers, as the parameter is, got 0.5..20"),
+    ([f"{KEY}=8.5:1..20"], f"{KEY} must be a whole number, got 8.5"),
+    ([f"{KEY}=13:1..20"], "small.toml: robots.parameters: 13 brings bad luck"),
+    ([f"{KEY}:1..inf"], f"{FORM}'{KEY}:1..inf'"),
+    ([f"{KEY}=8"], FORM),
+    ([f"{KEY}=:1..20"], FORM),
+    ([":1..20"], FORM),
+]
 
 
-@pytest.mark.parametrize(("parameters", "metric", "words"), LOADED)
-def test_a_wrong_parameter_or_metric_is_one_clear_line_and_leaves_nothing(
-    path, tmp_path, capsys, parameters, metric, words
-):
+@pytest.mark.parametrize(("parameters", "words"), PARAMETERS)
+def test_a_wrong_parameter_is_one_clear_line_and_leaves_nothing(path, tmp_path, capsys, parameters, words):
     given = [word for one in parameters for word in ("--parameter", one)]
-    command = ["tune", str(path), *given, "--metric", metric, *SEEDS, "--out", str(tmp_path / "out")]
-    refused(command, words, capsys)
+    out = ["--out", str(tmp_path / "out")]
+    refused(["tune", str(path), *given, "--metric", "grants", *SEEDS, *out], words, capsys)
     assert not (tmp_path / "out").exists()
 
 
@@ -174,15 +175,18 @@ def test_a_wrong_parameter_or_metric_is_one_clear_line_and_leaves_nothing(
         (["--evaluations", "0"], "--evaluations: must be a whole number >= 1, got '0'"),
         (["--seeds", "101", "7"], "--seeds: must be a whole number >= 101, as `picket reproduce` reports on"),
         (["--seeds", "101", "101"], "--seeds 101: is given twice"),
+        (["--metric", "grant"], "there is no such metric; did you mean grants? known are graph_idleness_s, "),
+        (["--metric", "visits.max"], "--metric visits.max: there is no such metric"),
         (["--metric", "grants"], "--metric grants: is given twice"),
         (["--step", "0"], "--step: must be a number from 1e-06 to 1, got '0'"),
         (["--smallest-step", "0.3"], "--smallest-step must be <= --step (0.25), got 0.3"),
         (["--until", "41"], "--until must be <= duration_s (40.0), got 41.0"),
         (["--until", "nan"], "--until: must be a number > 0, got 'nan'"),
+        (FAN, "the scenario has no value; give a start, robots.start.radius_m=START:LOW..HIGH"),
         (["--set", "robots.cuont=3"], "robots.cuont is not a field; did you mean count?"),
-        (["--out", "/proc/nowhere"], "--out /proc/nowhere: cannot keep a tuning there: No such file or directory"),
+        (["--out", "/proc/nowhere"], "--out /proc/nowhere: cannot keep a tuning there: "),
     ],
-)  # fmt: skip
+)
 def test_a_wrong_option_is_one_clear_line_and_leaves_nothing(path, tmp_path, capsys, more, words):
     refused(tuning(path, tmp_path / "out", *more), words, capsys)
     assert not (tmp_path / "out").exists()
@@ -198,14 +202,14 @@ def test_what_is_missing_is_one_clear_line(path, capsys):
 @pytest.mark.parametrize(
     ("parameter", "metric", "words"),
     [
-        (f"{KEY}=2:1..20", "grants", "the start point is refused: point001-seed101: r2 died: exit code 1: RuntimeError:"),
-        (f"{KEY}=3:1..20", "grants", "the start point is refused: point001-seed101: walked out"),
-        (f"{KEY}=8:1..20", "node_interval_max_s", "the start point is refused: node_interval_max_s was not measured"),
+        (f"{KEY}=2:1..20", "grants", "point001-seed101: r2 died: exit code 1: RuntimeError: no time to"),
+        (f"{KEY}=3:1..20", "grants", "point001-seed101: walked out"),
+        (f"{KEY}=8:1..20", "node_interval_max_s", "node_interval_max_s was not measured"),
     ],
-)  # fmt: skip
+)
 def test_a_start_point_that_cannot_be_measured_is_a_mistake(path, tmp_path, capsys, parameter, metric, words):
     command = ["tune", str(path), "--parameter", parameter, "--metric", metric, *SEEDS]
-    refused([*command, "--out", str(tmp_path / "out")], words, capsys)
+    refused([*command, "--out", str(tmp_path / "out")], f"the start point is refused: {words}", capsys)
 
 
 def test_several_metrics_cannot_be_relative_to_nothing(path, tmp_path, capsys):
