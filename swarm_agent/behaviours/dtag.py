@@ -16,6 +16,7 @@ import numpy as np
 from swarm_agent.behaviour import Behaviour, Heard, Move, Parameters
 from swarm_agent.knowledge import AssumedIdleness, Bulletin, Reporter
 from swarm_agent.ways import ways_of
+from wire.channels import number_of
 from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, Configuration, GoTo, Percept, Pose
 
 Site = Annotated[int, msgspec.Meta(ge=0)]
@@ -89,7 +90,7 @@ class Dtag(Behaviour):
         self.costs_m = ways_of(configuration.field).costs_m
         self.knowledge = AssumedIdleness(len(self.sites_m))
         self.reporter = Reporter(configuration.tower, self.knowledge)
-        self.current = self.next_site = -1
+        self.current = self.next_site = self.said_tick = -1
 
     def step(self, percept: Percept, heard: Sequence[Heard]) -> Move:
         """Hear, give way to who goes to the same site, choose the next one on arrival and say so."""
@@ -105,6 +106,7 @@ class Dtag(Behaviour):
         if begins or arrived:
             self.next_site = self.choose(tick)
             message = self.announce(tick)
+            self.said_tick = tick
         say = self.reporter.frames(tick, heard, message)
         motion = None if self.next_site == before and not arrived else self._drive()
         again = tick + 1 if self.next_site == self.current else None  # a field of one site
@@ -123,12 +125,13 @@ class Dtag(Behaviour):
         As in the original it then reckons as if it had been there. A robot that has just arrived has nothing
         left to give up.
         """
-        for _, sent_tick, bulletin in heard:
+        for sender, sent_tick, bulletin in heard:
             told = bulletin.message
             if told is None:
                 continue
             self.idleness.hear(told.zero_tick, sent_tick)
-            if gives_way and told.next_site == self.next_site:
+            later = (sent_tick, number_of(sender)) > (self.said_tick, number_of(self.configuration.node))
+            if gives_way and later and told.next_site == self.next_site:
                 self.current = self.next_site
                 self.next_site = self.choose(tick)
 
