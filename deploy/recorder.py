@@ -1,5 +1,6 @@
 """The recorder: folds a run's journal into `summary.json`. The journal is complete, so the summary is too.
 
+What takes more than numbers to say (visits by robot and site, curves over time) goes to `area.npz` beside it.
 To the metrics of its mission it adds `grants`, how often robots were asked, and `robot_ticks`, how often they
 would have been if every robot were asked at every tick.
 """
@@ -7,6 +8,8 @@ would have been if every robot were asked at every tick.
 import json
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from deploy.metrics import MISSIONS
 from wire.messages import Facts
@@ -20,7 +23,10 @@ RADIO = ("sent", "delivered", "out_of_range", "lost", "oversize", "bytes")
 def summarise(
     folder: Path, scenario: Scenario, name: str, wall_s: float, processes: list[dict]
 ) -> dict[str, Any]:
-    """Fold the journal and the event log of a run, write `summary.json`, and return it."""
+    """Fold the journal and the event log of a run, write `summary.json`, and return it.
+
+    It is written last: where it is, all is.
+    """
     metrics, radio, ticks = MISSIONS[scenario.mission](scenario), [0] * len(RADIO), -1
     faults, end, grants = [], None, 0
     for record in read(folder / "journal"):
@@ -49,8 +55,17 @@ def summarise(
         "radio": dict(zip(RADIO, radio, strict=True)),
         "metrics": metrics.summary() | asked,
     }
-    (folder / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", "utf-8")
+    if tables := metrics.tables():
+        np.savez_compressed(folder / f"{scenario.mission}.npz", **tables)
+    _write_whole(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
     return summary
+
+
+def _write_whole(path: Path, text: str) -> None:
+    """All of it or nothing, whenever this process is killed: who finds a summary finds a finished run."""
+    part = path.with_suffix(".part")
+    part.write_text(text, "utf-8")
+    part.replace(path)
 
 
 def events(folder: Path) -> list[dict[str, Any]]:

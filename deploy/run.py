@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from deploy.launcher import Launcher, free_port
+from deploy.launcher import Launcher, free_port, roll_entry
 from deploy.process import on_interrupt_now
 from deploy.recorder import deaths, summarise
 from deploy.rehearsal import Rehearsal, rehearse
@@ -98,7 +98,7 @@ def _rehearse(scenario: Scenario, folder: Path, last_tick: int, progress: Progre
 
     rehearse(scenario, to_toml(scenario), folder, last_tick, watch)
     roles = {node: "tower" if node == scenario.tower.id else "robot" for node in scenario.node_ids}
-    return [_process(node, role, os.getpid(), 0, 0) for node, role in roles.items()]
+    return [roll_entry(node, role, os.getpid(), 0, 0) for node, role in roles.items()]
 
 
 def _launch(
@@ -109,12 +109,4 @@ def _launch(
     asyncio.run(
         launcher.run(mode, lambda line: console.print(f"dashboard {line}", highlight=False, soft_wrap=True))
     )
-    processes = [
-        _process(node, role, child.pid, incarnation, child.status)
-        for node, role, child, incarnation in launcher.processes
-    ]
-    return processes, launcher.interrupted
-
-
-def _process(node: str, role: str, pid: int, incarnation: int, status: int | None) -> dict[str, Any]:
-    return {"node": node, "role": role, "pid": pid, "incarnation": incarnation, "exit": status}
+    return launcher.roll(), launcher.interrupted
