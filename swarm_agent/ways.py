@@ -1,8 +1,9 @@
 """The cheapest ways between all sites of a field: what they cost, how many hops they have, where they begin.
 
 Source: Dijkstra's algorithm, as patrolling_sim uses it on patrol graphs; hops are those of the cheapest path,
-not the fewest there are. On cells robots drive straight to any cell, so there the cost is the distance of the
-centres and a hop is one of the eight steps to a cell beside (our reading of Kobayashi et al. 2025).
+not the fewest there are. On a grid without holes robots drive straight to any cell, so there the cost is the
+distance of the centres and a hop is one of the eight steps to a cell beside (our reading of Kobayashi et al.
+2025).
 """
 
 import math
@@ -33,7 +34,8 @@ def ways_of(field: Field) -> Ways:
 
     Of several paths that cost the same there is one, always the same for the same field.
     """
-    ways = _on_cells(field) if isinstance(field, Grid) else _along_edges(field)
+    whole = isinstance(field, Grid) and not field.holes
+    ways = _on_cells(field) if whole else _along_edges(field)
     for table in ways:
         table.flags.writeable = False
     return ways
@@ -53,7 +55,7 @@ def _on_cells(field: Grid) -> Ways:
 
 
 def _along_edges(field: Field) -> Ways:
-    import networkx  # a robot on cells does without it
+    import networkx  # a robot on a grid without holes does without it
 
     count = len(field.sites_m())
     net = networkx.DiGraph()
