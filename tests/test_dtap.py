@@ -1,4 +1,4 @@
-"""DTAP: its auctions, what it says and hears. Source: Farinelli, Iocchi and Nardi 2017, their released code."""
+"""DTAP: its auctions, what it says and hears. Source: Farinelli, Iocchi and Nardi 2017, their code."""
 
 from typing import Any
 

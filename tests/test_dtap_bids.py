@@ -2,7 +2,9 @@
 
 from typing import Any
 
-from swarm_agent.behaviours.dtap import DtapParameters, Partition
+import pytest
+
+from swarm_agent.behaviours.dtap import Bid, DtapParameters, Partition
 from swarm_agent.ways import ways_of
 from wire.fields import Grid
 
@@ -79,20 +81,27 @@ def test_bids_never_end_and_a_dead_owner_blocks_nothing():
     assert one.owns(10)
 
 
-def test_what_is_said_in_one_tick_counts_as_said_in_order_of_numbers():
-    """Our choice: three robots at one place ask for one site at once. The last of them has it, for all."""
+@pytest.mark.parametrize("tasks", [(), (0,)])
+def test_what_is_said_in_one_tick_counts_as_said_in_order_of_numbers(tasks):
+    """Our choice: three robots at one place ask for one site at once. The last of them has it, for all.
+
+    Who has no other task bids 0 for what it thinks it has, as the site itself is then its centre.
+    """
     team = {number: partition(number) for number in (2, 3, 4)}
+    said: list[tuple[int, Bid]] = []
     for one in team.values():
+        for site in tasks:
+            one.claim(site, 0.0, 0)
         one.claim(10, 100.0, 0)
-    answers = []
     for number, one in team.items():
-        for other in team.keys() - {number}:
+        for other in sorted(team.keys() - {number}):
             one.hear(10, 100.0, other, 0)
-            answers.append((number, one.answer(10, NOWHERE, 1)))
-    for number, bid in sorted(answers, key=lambda said: said[0]):
+            bid = one.answer(10, NOWHERE, 1)
+            said += [] if bid is None else [(number, bid)]
+    assert {bid.bid_m for _, bid in said[1:]} == ({100.0} if tasks else {0.0})
+    for number, bid in said:
         for other in team.keys() - {number}:
-            if bid is not None:
-                team[other].hear(bid.site, bid.bid_m, number, 1)
+            team[other].hear(bid.site, bid.bid_m, number, 1)
     assert [int(one.owner[10]) for one in team.values()] == [4, 4, 4]
 
 
