@@ -12,7 +12,7 @@ from swarm_agent.behaviours.dtap import Bid, Dtap, DtapParameters, Request
 from swarm_agent.knowledge import Bulletin
 from tests.builders import NO_NEWS, configuration, entries, from_tower, percept
 from wire import codec
-from wire.fields import Grid
+from wire.fields import Edge, Graph, Grid
 from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, GoTo
 
 LINE = Grid(1, 11, 10.0)
@@ -54,6 +54,16 @@ def test_the_first_auction_is_for_the_best_site_from_the_nearest_while_the_robot
     move = one.step(percept(7, 5.0, 16.0), [])
     assert (one.current, words(move), move.motion) == (1, (Request(0, 10.0),), None)
     assert (move.wake_tick, move.wake_on) == (9, WAKE_ON_FRAME | WAKE_ON_ARRIVAL)
+
+
+def test_on_a_graph_ways_lead_along_edges():
+    """Source: path cost and hops of the cheapest path: 0-1-2 is 7 m, the edge 0-2 is 9 m."""
+    nodes_m = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0))
+    edges = (Edge(0, 1), Edge(1, 2), Edge(0, 2, 9.0))
+    one = patroller(Graph(nodes_m=nodes_m, edges=edges), x_m=-5.0)
+    assert (one.current, one.candidate, one.partition.bid_m[1]) == (0, 1, 4.0)
+    move = one.step(percept(2), [says("r3", 1, Bid(1, 0.0))])
+    assert words(move) == (Request(2, 7.0),) and one.ways.hops[0, 2] == 2
 
 
 def test_an_auction_lasts_longer_the_more_tasks_and_no_longer_than_the_time_out():
