@@ -62,6 +62,7 @@ PURE = (
     "swarm_agent/behaviours/*.py",
     "swarm_agent/knowledge.py",
     "swarm_agent/line_radio.py",
+    "swarm_agent/ways.py",
     "wire/line.py",
     "swarm_agent/surveillance_graph.py",
     "swarm_agent/geometry.py",
