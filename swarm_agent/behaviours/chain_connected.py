@@ -24,7 +24,7 @@ from swarm_agent.company import CUT_OFF, Company, Word
 from swarm_agent.knowledge import AssumedIdleness, Bulletin
 from swarm_agent.relay_posts import RelayPosts, Roads, Ways
 from wire.channels import number_of
-from wire.messages import Configuration, GoTo, Percept, Pose, Stay
+from wire.messages import Configuration, GoTo, Percept, Pose
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Point = tuple[float, float]
@@ -254,6 +254,6 @@ class ChainConnected(Behaviour):
         word = Word(pose.x_m, pose.y_m, *said, tuple(company.roll(tick)))
         say = Bulletin(self.knowledge.newest(len(self.sites_m)), (), self.since_tick, word)
         there = GoTo(*self.points_m[self.next], self.configuration.field.visit_within_m)
-        motion = Stay() if self.waiting else there  # who waits at a site does not visit it again and again
+        motion = None if self.waiting else there  # who waits goes on to the very place, and visits it but once
         shown = Place(company.layer, self.parent, self.next, self.goal, self.place)
         return Move(motion, (say,), tick + 1, report=shown)
