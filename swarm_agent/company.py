@@ -16,31 +16,36 @@ from wire.channels import number_of
 from wire.messages import NodeId
 
 Metres = Annotated[float, msgspec.Meta(ge=-1e9, le=1e9)]  # which also refuses NaN
+Site = Annotated[int, msgspec.Meta(ge=0)]
 CUT_OFF = -1
 
 
 class Word(msgspec.Struct, frozen=True, array_like=True):
-    """What a robot says of itself: where it is, the sites it goes to next and in the end, and what it hangs on.
+    """What a robot says of itself: where it is, the sites it goes to next and in the end, whom it hangs on.
 
     `layer`: links to the tower, CUT_OFF for none; `beacon_tick`: when the tower said what came through last.
-    `parent`: the node it hangs on. `roll`: (robot, tick) of who is known to have been there.
+    `roll`: (robot, tick) of who is known to have been there.
     """
 
     x_m: Metres
     y_m: Metres
-    next: int
-    goal: int
-    layer: int
+    next: Site
+    goal: Site
+    layer: Annotated[int, msgspec.Meta(ge=CUT_OFF)]
     beacon_tick: int
     parent: NodeId | None
     roll: tuple[tuple[NodeId, int], ...] = ()
 
 
 class Company:
-    """The other nodes, as their frames tell. What is older than `memory_ticks` is forgotten."""
+    """The other nodes, as their frames tell. What is older than `memory_ticks` is forgotten.
 
-    def __init__(self, node: str, tower: str, memory_ticks: int, roll_ticks: int) -> None:
-        self._node, self._tower = node, tower
+    A robot that nobody was in touch with for `roll_ticks` is off the roll. Words of a field with more than
+    these `sites` are not understood.
+    """
+
+    def __init__(self, node: str, tower: str, sites: int, memory_ticks: int, roll_ticks: int) -> None:
+        self._node, self._tower, self._sites = node, tower, sites
         self._memory_ticks, self._roll_ticks = memory_ticks, roll_ticks
         self._said: dict[str, tuple[int, Word | None]] = {}
         self._leaning: dict[str, int] = {}
@@ -56,7 +61,7 @@ class Company:
             if sender == self._tower:
                 self._said[sender] = (sent_tick, None)
                 self._offer(tick, sent_tick, 1)
-            elif word is not None:
+            elif word is not None and max(word.next, word.goal) < self._sites:
                 self._said[sender] = (sent_tick, word)
                 if word.parent == self._node:
                     self._leaning[sender] = sent_tick

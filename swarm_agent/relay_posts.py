@@ -1,6 +1,7 @@
-"""Where robots must stand so that a chain of short links reaches a site, and the way there through free sites.
+"""Where robots must stand so that a chain of short links reaches a site, and the ways between sites.
 
-Ours. A link is as long as `reach_m` at most; a chain begins at the tower.
+Ours. A link is at most `reach_m` long, and a chain begins at the tower. From each post a way must lead to the
+next along which the link to the first holds: on a graph what is near need not be reached so.
 """
 
 import heapq
@@ -16,33 +17,70 @@ OUT_OF_REACH = 2**31
 ROUNDING_M = 1e-6
 
 
-class RelayPosts:
-    """The sites of a field as places to stand: how many links each is from the tower, and through which sites.
+class Ways(NamedTuple):
+    """Shortest ways from `start`. `far_m`: float64, (sites,), infinite where no way leads."""
 
-    `links`: int64, (sites,): 1 within `reach_m` of the tower, one more for each relay; OUT_OF_REACH where no
-    chain of any length leads.
+    start: int
+    far_m: np.ndarray
+    came_from: list[int]
+
+    def first_step(self, site: int) -> int:
+        """The neighbour of the start on the way to a site; the start itself where there is none."""
+        if math.isinf(self.far_m[site]):
+            return self.start
+        while site != self.start and self.came_from[site] != self.start:
+            site = self.came_from[site]
+        return site
+
+
+class Roads:
+    """The ways between the sites of a field."""
+
+    def __init__(self, field: Field) -> None:
+        self._neighbours = [field.neighbours(site) for site in range(len(field.sites_m()))]
+
+    def ways(self, start: int, free: np.ndarray) -> Ways:
+        """The shortest ways from a site through `free` sites (Dijkstra); of equal ones the first found."""
+        is_free = free.tolist()
+        far_m, came_from = [math.inf] * len(is_free), [-1] * len(is_free)
+        far_m[start] = 0.0
+        queue = [(0.0, start)]
+        while queue:
+            here_m, here = heapq.heappop(queue)
+            if here_m > far_m[here]:
+                continue
+            for site, cost_m in self._neighbours[here]:
+                there_m = here_m + cost_m
+                if is_free[site] and there_m < far_m[site]:
+                    far_m[site], came_from[site] = there_m, here
+                    heapq.heappush(queue, (there_m, site))
+        return Ways(start, np.array(far_m), came_from)
+
+
+class RelayPosts:
+    """The sites of a field as places to stand.
+
+    `links`: int64, (sites,): how many links, and robots, a chain to the site has: 1 within `reach_m` of
+    the tower; OUT_OF_REACH where no chain leads.
     """
 
-    def __init__(self, sites_m: np.ndarray, tower_m: Point, reach_m: float) -> None:
+    def __init__(self, sites_m: np.ndarray, roads: Roads, tower_m: Point, reach_m: float) -> None:
         self._sites_m, self._tower_m, self._reach_m = sites_m, np.array(tower_m), reach_m + ROUNDING_M
         self.links = np.full(len(sites_m), OUT_OF_REACH)
         self._before = np.full(len(sites_m), -1)
-        edge = np.flatnonzero(self.near(tower_m))
-        self.links[edge] = links = 1
-        while len(edge):
+        home = int(np.argmin(self._away_m(tower_m)))
+        reached = np.isfinite(roads.ways(home, self.near(tower_m)).far_m) & self.near(tower_m)
+        links = 1
+        while reached.any():
+            self.links[reached] = links
             links += 1
-            ahead = [
-                site for site in np.flatnonzero(self.links == OUT_OF_REACH) if self._hang(site, edge, links)
-            ]
-            edge = np.array(ahead, dtype=np.int64)
-            self.links[edge] = links
+            reached = self._behind(np.flatnonzero(reached), roads, links)
 
     def near(self, *points_m: Point) -> np.ndarray:
         """The sites within reach of all these points: bool, (sites,)."""
         reached = np.ones(len(self._sites_m), dtype=bool)
-        for x_m, y_m in points_m:
-            away_m = self._sites_m - (x_m, y_m)
-            reached &= np.hypot(away_m[:, 0], away_m[:, 1]) <= self._reach_m
+        for point_m in points_m:
+            reached &= self._away_m(point_m) <= self._reach_m
         return reached
 
     def chain(self, site: int) -> list[int]:
@@ -63,51 +101,27 @@ class RelayPosts:
         before = self._tower_m if place == 0 else self._sites_m[posts[place - 1]]
         return self.near(before, self._sites_m[posts[place + 1]])
 
-    def _hang(self, site: int, edge: np.ndarray, links: int) -> bool:
-        """Find the post before a site that is so many links away: near the point that divides the way evenly."""
-        away_m = self._sites_m[edge] - self._sites_m[site]
-        edge = edge[np.hypot(away_m[:, 0], away_m[:, 1]) <= self._reach_m]
-        if not len(edge):
-            return False
-        ideal_m = self._tower_m + (self._sites_m[site] - self._tower_m) * (links - 1) / links
-        off_m = self._sites_m[edge] - ideal_m
-        self._before[site] = edge[np.argmin(np.hypot(off_m[:, 0], off_m[:, 1]))]
-        return True
+    def _behind(self, posts: np.ndarray, roads: Roads, links: int) -> np.ndarray:
+        """The sites that are so many links away: within reach of one of these posts, and of no post before.
 
-
-class Ways(NamedTuple):
-    """Shortest ways from one site. `far_m`: float64, (sites,), infinite where none leads; `_from`: the site before."""
-
-    start: int
-    far_m: np.ndarray
-    came_from: list[int]
-
-    def first_step(self, site: int) -> int:
-        """The neighbour of the start on the way to a site that can be reached; the start itself for itself."""
-        while site != self.start and self.came_from[site] != self.start:
-            site = self.came_from[site]
-        return site
-
-
-class Roads:
-    """The ways between the sites of a field."""
-
-    def __init__(self, field: Field) -> None:
-        self._neighbours = [field.neighbours(site) for site in range(len(field.sites_m()))]
-
-    def ways(self, start: int, free: np.ndarray) -> Ways:
-        """The shortest ways from a site that lead through `free` sites only (Dijkstra); equal ones by number."""
-        open_sites = free.tolist()
-        far_m, came_from = [math.inf] * len(open_sites), [-1] * len(open_sites)
-        far_m[start] = 0.0
-        queue = [(0.0, start)]
-        while queue:
-            here_m, here = heapq.heappop(queue)
-            if here_m > far_m[here]:
+        Of several posts the one is taken that divides the way from the tower most evenly.
+        """
+        open_sites = np.flatnonzero(self.links == OUT_OF_REACH)
+        ideal_m = self._tower_m + (self._sites_m[open_sites] - self._tower_m) * ((links - 1) / links)
+        least_m = np.full(len(open_sites), np.inf)
+        for post in posts.tolist():
+            near = self.near(self._sites_m[post])
+            if not near[open_sites].any():
                 continue
-            for site, cost_m in self._neighbours[here]:
-                there_m = here_m + cost_m
-                if open_sites[site] and there_m < far_m[site]:
-                    far_m[site], came_from[site] = there_m, here
-                    heapq.heappush(queue, (there_m, site))
-        return Ways(start, np.array(far_m), came_from)
+            leads = np.isfinite(roads.ways(post, near).far_m)[open_sites]
+            off_m = np.hypot(*(ideal_m - self._sites_m[post]).T)
+            better = leads & (off_m < least_m)
+            least_m[better] = off_m[better]
+            self._before[open_sites[better]] = post
+        behind = np.zeros(len(self.links), dtype=bool)
+        behind[open_sites[np.isfinite(least_m)]] = True
+        return behind
+
+    def _away_m(self, point_m: Point) -> np.ndarray:
+        away_m = self._sites_m - point_m
+        return np.hypot(away_m[:, 0], away_m[:, 1])

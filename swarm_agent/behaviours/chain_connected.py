@@ -4,12 +4,12 @@ Kobayashi et al. 2025 compare with a "layered patrol with continuous connectivit
 nowhere; this is no reading of it, but a patrol of our own with the same aim. Three rules:
 
 - **Links.** A robot hangs on the tower or on a robot of a lower number, so links never form a ring. All say
-  where they are and which site is next, and choose a next site only where each link stays within reach from
-  either end's place and next site to the other's: however the two move on their way, they stay in range.
+  where they are and which site is next, and a next site is chosen only where every link stays within reach,
+  from both ends' places and next sites to the other's: however the two move, they stay in range.
 - **Chain.** The robots of the lowest numbers reach for the site that has waited longest among those that a
   chain of all present can reach: each goes where the next one can be within reach of its own post.
-- **Others** patrol by the utility of LR-PT without its preference for near or far (alpha = 1), wherever a link
-  lets them. Who hangs on a robot stays within reach of its goal too: the parent leads, the child follows.
+- **Others** patrol by the utility of LR-PT without its preference for near or far (alpha = 1), wherever a
+  link lets them. Who hangs on a robot stays within reach of its goal too: the parent leads.
 """
 
 import math
@@ -32,12 +32,13 @@ ROUNDING_M = 1e-6
 
 
 class ChainConnectedParameters(Parameters, frozen=True):
-    """What the robots take for granted of the radio.
+    """What the robots take for granted of the radio, and how long they wait for each other.
 
     `range_m` minus `margin_m` is the longest link that is planned. As both ends say where they go next, the
-    margin has to cover only what they do before they have heard each other.
-    `lost_after_s`: a node not heard for so long is out of reach. `absent_after_s`: a robot that nobody has
-    been in touch with for so long is not counted on.
+    margin has to cover only what they do before they have heard each other. `lost_after_s`: a node not heard
+    for so long is out of reach. `absent_after_s`: a robot that nobody was in touch with for so long is not
+    counted on. `look_again_s`: how often who cannot go on looks whether it can now. `patience_s`: how long the
+    chain reaches for a site before it becomes strict.
     """
 
     range_m: Positive = 180.0
@@ -45,6 +46,7 @@ class ChainConnectedParameters(Parameters, frozen=True):
     lost_after_s: Positive = 3.0
     absent_after_s: Positive = 30.0
     look_again_s: Positive = 3.0
+    patience_s: Positive = 600.0
 
 
 class Place(msgspec.Struct, frozen=True, array_like=True):
@@ -58,7 +60,7 @@ class Place(msgspec.Struct, frozen=True, array_like=True):
 
 
 class Superior(msgspec.Struct, frozen=True):
-    """A node that one may hang on: where it is and goes next, the site it leads to, how far from the tower."""
+    """A node that one may hang on: its layer, where it is and goes next, and the site it leads to."""
 
     node: str
     layer: int
@@ -79,20 +81,24 @@ class ChainConnected(Behaviour):
         generator: np.random.Generator,
     ) -> None:
         super().__init__(parameters, configuration, generator)
-        tick_s = configuration.tick_s
         self.sites_m = np.array(configuration.field.sites_m())
         self.points_m: list[Point] = configuration.field.sites_m()
         self.reach_m = max(0.0, parameters.range_m - parameters.margin_m)
-        self.plan = RelayPosts(self.sites_m, configuration.tower_m, self.reach_m)
         self.roads = Roads(configuration.field)
+        self.plan = RelayPosts(self.sites_m, self.roads, configuration.tower_m, self.reach_m)
+        self.home = self._nearest(configuration.tower_m)
         self.knowledge = AssumedIdleness(len(self.sites_m))
-        ticks = (math.ceil(one / tick_s) for one in (parameters.lost_after_s, parameters.absent_after_s))
-        self.company = Company(configuration.node, configuration.tower, *ticks)
-        self.look_again_ticks = math.ceil(parameters.look_again_s / tick_s)
+        waits_s = parameters.lost_after_s, parameters.absent_after_s
+        waits = [math.ceil(one / configuration.tick_s) for one in waits_s]
+        self.company = Company(configuration.node, configuration.tower, len(self.points_m), *waits)
+        self.look_again_ticks = math.ceil(parameters.look_again_s / configuration.tick_s)
+        self.patience_ticks = math.ceil(parameters.patience_s / configuration.tick_s)
         self.at = self.next = self.goal = -1
         self.parent: str | None = None
         self.place = -1
-        self.since_tick = self.look_tick = -1
+        self.since_tick = self.look_tick = self.reaching_tick = -1
+        self.reaching: list[int] = []
+        self.gathered = False
         self.waiting = False
 
     def step(self, percept: Percept, heard: Sequence[Heard]) -> Move:
@@ -112,40 +118,39 @@ class ChainConnected(Behaviour):
                     self.look_tick = tick + 1
             if tick >= self.look_tick:
                 self.decide(tick, here_m)
-        elif not self._holds(here_m, self.next, self.parent):
+        elif not self._is_held(here_m):
             self.catch_hold(here_m)
         return self._move(tick, pose)
 
     def decide(self, tick: int, here_m: Point) -> None:
         """Choose goal, next site and parent at a site that has been reached."""
-        here = self.at
-        superiors = self._superiors(here_m)
-        above, fit, sound = self._limits(tick, superiors)
-        sound[here] = True
-        ways = self.roads.ways(here, sound)
-        if not superiors:
-            home = self._nearest(self.configuration.tower_m)
-            ways = self.roads.ways(here, np.ones_like(sound))
-            self._go(tick, home, ways.first_step(home), [])
-            return
-        posts = self.posts(tick)
+        superiors, posts = self._superiors(here_m), self.posts(tick)
         self.place = self._place(tick, len(posts))
-        zone = fit & self.plan.around(posts, self.place) if self.place >= 0 else fit
+        impatience = self._impatience(tick, posts)
+        if impatience >= 2 or not superiors:
+            self._go_home(tick, superiors)
+            return
+        above, fit, sound = self._limits(tick, superiors)
+        sound[self.at] = True
+        ways = self.roads.ways(self.at, sound)
+        zone = fit & self._duty(posts, strict=impatience >= 1)
         worth = self.utilities(tick, np.where(zone, ways.far_m, np.inf))
         if np.isfinite(worth).any():
             goal = int(np.argmax(worth))
             self._go(tick, goal, ways.first_step(goal), superiors)
             return
-        wish = posts[self.place] if self.place >= 0 else here
+        wish = posts[self.place] if self.place >= 0 else self.at
         goal = self._closest(wish, fit if fit.any() else above)
-        self._go(tick, goal, self._approach(goal, ways), superiors)
+        stop = self._last_open(posts, ways) if impatience >= 1 else self._closest(goal, ways.far_m < np.inf)
+        self._go(tick, goal, ways.first_step(stop), superiors)
 
     def catch_hold(self, here_m: Point) -> None:
         """On the way with no sound link: find another parent, or turn back, or else make for the tower."""
+        superiors = self._superiors(here_m)
         for site in (self.next, self.at):
-            for superior in self._superiors(here_m):
-                if self._holds(here_m, site, superior.node):
-                    self.next, self.parent = site, superior.node
+            for one in superiors:
+                if self._within(one, self.points_m[site]):
+                    self.next, self.parent = site, one.node
                     return
         tower_m = self.configuration.tower_m
         self.parent = None
@@ -193,7 +198,7 @@ class ChainConnected(Behaviour):
         return above, fit, above & self.plan.near(*below)
 
     def _superiors(self, here_m: Point) -> list[Superior]:
-        """The tower and the lower-numbered robots that one can hang on from here, in order of their numbers."""
+        """The tower and the lower-numbered robots that one can hang on from here, in this order."""
         found = []
         if self.company.hears_tower():
             tower_m = self.configuration.tower_m
@@ -213,11 +218,38 @@ class ChainConnected(Behaviour):
     def _leads(self, superior: Superior, site: int) -> bool:
         return math.dist(superior.goal_m, self.points_m[site]) <= self.reach_m + ROUNDING_M
 
-    def _holds(self, here_m: Point, site: int, parent: str | None) -> bool:
-        """Would the link to this parent hold all the way from here to the site?"""
-        return any(
-            one.node == parent and self._within(one, self.points_m[site]) for one in self._superiors(here_m)
-        )
+    def _is_held(self, here_m: Point) -> bool:
+        """Will the link to the parent hold all the way from here to the next site?"""
+        parents = (one for one in self._superiors(here_m) if one.node == self.parent)
+        return any(self._within(one, self.points_m[self.next]) for one in parents)
+
+    def _duty(self, posts: list[int], strict: bool) -> np.ndarray:
+        """Where the place in the chain lets one be; anywhere behind its end: bool, (sites,)."""
+        if self.place < 0:
+            return np.ones(len(self.points_m), dtype=bool)
+        return self.plan.around(posts[: self.place + 1] if strict else posts, self.place)
+
+    def _impatience(self, tick: int, posts: list[int]) -> int:
+        """How many times the patience is over that the chain has been reaching for the same site.
+
+        From 1 on nobody strays from its post, to which ways are known to lead; at 2 all begin again from the
+        tower, once.
+        """
+        if posts[-1:] != self.reaching:
+            self.reaching, self.reaching_tick, self.gathered = posts[-1:], tick, False
+        times = min(2, (tick - self.reaching_tick) // self.patience_ticks)
+        self.gathered = self.gathered or (times == 2 and self.at == self.home)
+        return 1 if self.gathered else times
+
+    def _last_open(self, posts: list[int], ways: Ways) -> int:
+        """The post nearest to one's own, from the tower's side, to which a way leads now."""
+        own = posts if self.place < 0 else posts[: self.place + 1]
+        return next((post for post in reversed(own) if ways.far_m[post] < np.inf), self.at)
+
+    def _go_home(self, tick: int, superiors: list[Superior]) -> None:
+        """A step towards the tower, whatever becomes of the links."""
+        ways = self.roads.ways(self.at, np.ones(len(self.points_m), dtype=bool))
+        self._go(tick, self.home, ways.first_step(self.home), superiors)
 
     def _place(self, tick: int, links: int) -> int:
         """The place in the chain, 0 next to the tower, or -1: behind its end."""
@@ -230,17 +262,10 @@ class ChainConnected(Behaviour):
         own = number_of(self.configuration.node)
         return any(number_of(name) < own and word.next == self.at for name, word in self.company.others())
 
-    def _approach(self, goal: int, ways: Ways) -> int:
-        """The first step to where one can wait nearest to a goal that is out of reach."""
-        far_m = np.hypot(*(self.sites_m - self.sites_m[goal]).T)
-        far_m[~np.isfinite(ways.far_m)] = np.inf
-        nearest = int(np.argmin(far_m))
-        return ways.first_step(nearest) if far_m[nearest] < far_m[ways.start] else ways.start
-
     def _closest(self, wish: int, among: np.ndarray) -> int:
-        """The site closest to a wish among these."""
-        far_m = np.hypot(*(self.sites_m - self.sites_m[wish]).T)
-        return int(np.argmin(np.where(among, far_m, np.inf)))
+        """The site closest to a wish among these; of equal ones that where one is, else the lowest."""
+        far_m = np.where(among, np.hypot(*(self.sites_m - self.sites_m[wish]).T), np.inf)
+        return self.at if far_m[self.at] == far_m.min() else int(np.argmin(far_m))
 
     def _nearest(self, point_m: Point) -> int:
         return int(np.argmin(np.hypot(*(self.sites_m - point_m).T)))
@@ -254,6 +279,8 @@ class ChainConnected(Behaviour):
         word = Word(pose.x_m, pose.y_m, *said, tuple(company.roll(tick)))
         say = Bulletin(self.knowledge.newest(len(self.sites_m)), (), self.since_tick, word)
         there = GoTo(*self.points_m[self.next], self.configuration.field.visit_within_m)
-        motion = None if self.waiting else there  # who waits goes on to the very place, and visits it but once
+        motion = (
+            None if self.waiting else there
+        )  # who waits goes on to the very place, and visits it but once
         shown = Place(company.layer, self.parent, self.next, self.goal, self.place)
         return Move(motion, (say,), tick + 1, report=shown)
