@@ -21,6 +21,7 @@ from deploy.studies.lr_pt.plan import MEMORIES
 from deploy.studies.lr_pt.stability import COLUMNS, curve
 
 BLUE, ORANGE, VERMILLION, GREEN, PURPLE, SKY = "#0072B2 #E69F00 #D55E00 #009E73 #CC79A7 #56B4E9".split()
+DARK = "#222222"
 COLOURS = {
     "lr_pt": BLUE,
     "expected_reactive": ORANGE,
@@ -29,7 +30,10 @@ COLOURS = {
     "chain_connected": PURPLE,
 }
 GUESTS = (SKY, "#8C6D1F", "#5B5B5B", "#B0A800")
-MEMORY_COLOURS = {"kept": BLUE, "lost": VERMILLION}
+MEMORY_LINES = {
+    "kept": {"color": BLUE, "lw": 1.1, "zorder": 3},
+    "lost": {"color": ORANGE, "lw": 2.4},  # broader and below: alike until the first restart
+}
 MANY_TIMES = 8
 """Where the largest value is so many times the smallest, the axis is logarithmic."""
 STYLE = {
@@ -109,8 +113,8 @@ def _boxes(title: str, boxes: Boxes, path: Path) -> Path:
         axes.set_title(f"Normalised {words}")
         axes.set_ylabel("s")
     handles = [Patch(facecolor=colour, label=label) for label, (colour, _) in boxes.items()]
-    figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 6), frameon=False)
-    figure.suptitle(title, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 6), frameon=False)
+    _title(figure, title)
     return _save(figure, path)
 
 
@@ -128,10 +132,11 @@ def _panel(axes: Any, metric: str, boxes: Boxes) -> None:
                 [values], positions=[at], widths=width * 0.78, patch_artist=True, whis=(0, 100)
             )
             _paint(drawn, colour)
-            dots = np.full(len(values), at)
-            axes.plot(dots, values, "o", ms=2.5, color="#222222", alpha=0.55, mew=0, zorder=4)
+            axes.plot(np.full(len(values), at), values, "o", ms=3, mfc=colour, mec=DARK, mew=0.5, zorder=4)
     axes.set_xticks(range(len(sizes)), [f"N = {nodes}" for nodes in sizes])
-    axes.set_xlim(-0.55, len(sizes) - 0.45)
+    axes.set_xlim(-0.5, len(sizes) - 0.5)
+    for between in range(1, len(sizes)):
+        axes.axvline(between - 0.5, color="#E4E4E4", lw=0.8, zorder=0)
     axes.tick_params(axis="x", length=0)
     if everything and max(everything) > MANY_TIMES * max(min(everything), 1e-9):
         _logarithmic(axes)
@@ -141,11 +146,11 @@ def _panel(axes: Any, metric: str, boxes: Boxes) -> None:
 
 def _paint(drawn: dict[str, Any], colour: str) -> None:
     for box in drawn["boxes"]:
-        box.set(facecolor=colour, edgecolor=colour, alpha=0.85, linewidth=1)
+        box.set(facecolor=colour, edgecolor=colour, alpha=0.75, linewidth=1)
     for line in (*drawn["whiskers"], *drawn["caps"]):
         line.set(color=colour, linewidth=1.2)
     for line in drawn["medians"]:
-        line.set(color="white", linewidth=1.8)
+        line.set(color=DARK, linewidth=1.4)
 
 
 def _logarithmic(axes: Any) -> None:
@@ -160,23 +165,19 @@ def _maps(outcome: Outcome, path: Path) -> Path:
     visits = outcome.tables["visits"].sum(axis=0)
     columns = min(len(visits) + 1, 5)
     rows = -(-(len(visits) + 1) // columns)
-    figure, panels = pyplot.subplots(rows, columns, figsize=(2.2 * columns, 2.3 * rows + 0.6), squeeze=False)
+    size = (2.1 * columns + 1.3, 2.3 * rows + 0.4)
+    figure, panels = pyplot.subplots(rows, columns, figsize=size, squeeze=False)
     most = max(1, int(visits.max()))
     for axes, robot, counts in zip(panels.flat, outcome.scenario.robot_ids, visits, strict=False):
-        picture = _map(axes, outcome, counts, most, "viridis", robot)
+        of_one = _map(axes, outcome, counts, most, "viridis", robot)
     last = panels.flat[len(visits)]
-    total = _map(last, outcome, visits.sum(axis=0), None, "cividis", "all together")
+    of_all = _map(last, outcome, visits.sum(axis=0), None, "cividis", "all together")
     for unused in list(panels.flat)[len(visits) + 1 :]:
         unused.set_visible(False)
-    figure.colorbar(picture, ax=panels, shrink=0.7, label="visits by a robot", location="right", pad=0.02)
-    figure.colorbar(total, ax=panels, shrink=0.7, label="visits by all", location="right", pad=0.02)
-    figure.suptitle(
-        f"Visits to each cell, LR-PT, N = {outcome.trial.nodes}, seed {outcome.trial.seed}",
-        x=0.01,
-        ha="left",
-        fontsize=12,
-        fontweight="bold",
-    )
+    for picture, words in ((of_all, "visits by all together"), (of_one, "visits by one robot")):
+        ticks = MaxNLocator(6, integer=True)
+        figure.colorbar(picture, ax=panels, shrink=0.75, label=words, ticks=ticks, aspect=30)
+    _title(figure, f"LR-PT, N = {outcome.trial.nodes}, seed {outcome.trial.seed}: visits to each cell")
     return _save(figure, path)
 
 
@@ -200,20 +201,17 @@ def _phases(outcome: Outcome, path: Path) -> Path:
     names = ("before", "failed", "recovered")
     visits, robots = outcome.tables["visits"], outcome.scenario.robot_ids
     columns = len(robots) + 1
-    figure, panels = pyplot.subplots(len(visits), columns, figsize=(1.25 * columns + 0.6, 5.0), squeeze=False)
+    figure, panels = pyplot.subplots(len(visits), columns, figsize=(1.3 * columns + 0.5, 4.6), squeeze=False)
     most = max(1, int(visits.max()))
     for row, (phase, counts) in enumerate(zip(names, visits, strict=True)):
         for axes, robot, own in zip(panels[row], robots, counts, strict=False):
             _map(axes, outcome, own, most, "viridis", robot if row == 0 else "")
+            if not own.any():
+                axes.text(0.5, 0.5, "no visits", color="white", ha="center", transform=axes.transAxes)
         _map(panels[row][-1], outcome, counts.sum(axis=0), None, "cividis", "all" if row == 0 else "")
         panels[row][0].set_ylabel(phase, fontsize=10)
-    figure.suptitle(
-        f"Visits before, during and after the failures, LR-PT, N = {outcome.trial.nodes}, memory kept",
-        x=0.01,
-        ha="left",
-        fontsize=12,
-        fontweight="bold",
-    )
+    title = f"LR-PT, N = {outcome.trial.nodes}: visits before, during and after failures, memory kept"
+    _title(figure, f"{title} (brightest: {most} visits by a robot)")
     return _save(figure, path)
 
 
@@ -227,7 +225,7 @@ def _curves(struck: Sequence[Outcome], path: Path) -> Path:
         row, memory = sizes.index(one.trial.nodes), one.trial.kind.removeprefix("failures-")
         for axes, (name, words) in zip(panels[row], COLUMNS.items(), strict=True):
             time_s, value_s = curve(one, name)
-            axes.plot(time_s / 3600, value_s, lw=1.1, color=MEMORY_COLOURS[memory], label=f"memory {memory}")
+            axes.plot(time_s / 3600, value_s, label=f"memory {memory}", **MEMORY_LINES[memory])
             axes.set_title(f"N = {one.trial.nodes}: normalised {words}")
             if memory == MEMORIES[0]:
                 axes.axvspan(*(fault.at_s / 3600 for fault in one.scenario.faults), color="#EEEEEE", zorder=0)
@@ -240,8 +238,12 @@ def _curves(struck: Sequence[Outcome], path: Path) -> Path:
         axes.set_xlabel("hours; grey: the 20 % highest numbers are dead")
     handles, labels = panels[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper right", ncols=2, frameon=False)
-    figure.suptitle("LR-PT through failures", x=0.01, ha="left", fontsize=13, fontweight="bold")
+    _title(figure, "LR-PT through failures")
     return _save(figure, path)
+
+
+def _title(figure: Any, words: str) -> None:
+    figure.suptitle(words, x=0.01, ha="left", fontsize=12, fontweight="bold")
 
 
 def _save(figure: Any, path: Path) -> Path:
