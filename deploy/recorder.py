@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from deploy.metrics import MISSIONS
+from deploy.process import commit
 from wire.messages import Facts
 from wire.scenario import Scenario
 from world_server.journal import read
@@ -49,6 +50,7 @@ class Fold:
             "scenario": name,
             "mission": scenario.mission,
             "seed": scenario.seed,
+            "commit": commit(),
             "ticks": max(ticks, 0),
             "sim_s": max(ticks, 0) * scenario.tick_s,
             "wall_s": round(wall_s, 3),
