@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NoReturn
 
-from deploy import tune
+from deploy import reproduce, tune
 from deploy.compare import compare
 from deploy.operate import request
 from deploy.recorder import deaths
@@ -70,7 +70,7 @@ def _parser() -> argparse.ArgumentParser:
     bench.add_argument("--rounds", type=some, default=5, help="pairs of blocks for each size (default 5)")
     bench.set_defaults(do=_bench)
     positive = _number(float, "a number > 0", lambda value: 0 < value < math.inf)
-    _add_reproduce(commands, some, positive)
+    reproduce.add_parser(commands, some, positive)
     tune.add_parser(commands, _number)
     scenarios = commands.add_parser("scenarios", help="the scenarios that come with Picket")
     scenarios.set_defaults(do=_scenarios)
@@ -93,16 +93,6 @@ def _add_run(commands: argparse._SubParsersAction) -> None:
     run.add_argument("--out", type=Path, metavar="DIR", help="where the run folder is made (default: runs)")
     run.add_argument("--json", action="store_true", help="print summary.json and nothing else")
     run.set_defaults(do=run_scenario)
-
-
-def _add_reproduce(commands: argparse._SubParsersAction, some: Reader, positive: Reader) -> None:
-    command = commands.add_parser("reproduce", help="run what a paper ran, its tables beside ours")
-    command.add_argument("study", choices=("line-patrol",))
-    command.add_argument("--seeds", type=some, help="runs of each kind, with seeds 1, 2, ... (default 3)")
-    command.add_argument("--hours", type=positive, help="simulated hours of each run (default 24)")
-    words = "where runs, tables and figures are kept (default: reproductions)"
-    command.add_argument("--out", type=Path, metavar="DIR", help=words)
-    command.set_defaults(do=_reproduce)
 
 
 def _add_request(commands: argparse._SubParsersAction, verb: str, words: str) -> None:
@@ -195,12 +185,6 @@ def _bench(given: argparse.Namespace) -> int:
     from deploy.bench import bench
 
     return bench(given.sizes, given.ticks, given.rounds)
-
-
-def _reproduce(given: argparse.Namespace) -> int:
-    from deploy.reproduce import reproduce
-
-    return reproduce(given)
 
 
 def _scenarios(given: argparse.Namespace) -> int:

@@ -6,6 +6,7 @@ import os
 import socket
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from deploy.process import CONTINUE, KILL, STOP, Child, on_interrupt
 from deploy.run_folder import LEDGER, LiveRun, RunError, announce_live
@@ -64,6 +65,13 @@ class Launcher:
         finally:
             live.unlink(missing_ok=True)
             await self._sweep_up()
+
+    def roll(self) -> list[dict[str, Any]]:
+        """Every process that was started, as `summary.json` tells of them."""
+        return [
+            roll_entry(node, role, child.pid, incarnation, child.status)
+            for node, role, child, incarnation in self.processes
+        ]
 
     def start_order(self) -> Sequence[str]:
         """In which order nodes are started; it makes no difference to the run, and a test sees to that."""
@@ -198,6 +206,11 @@ class Launcher:
         if self._link is not None:
             link, self._link = self._link, None
             await asyncio.get_running_loop().run_in_executor(None, link.close)
+
+
+def roll_entry(node: str, role: str, pid: int, incarnation: int, status: int | None) -> dict[str, Any]:
+    """How `summary.json` tells of one process."""
+    return {"node": node, "role": role, "pid": pid, "incarnation": incarnation, "exit": status}
 
 
 def free_port(wanted: int) -> int:

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 from deploy.mistake import Mistake
-from wire.fields import Grid, Polyline
+from wire.fields import Graph, Grid, Polyline
 from wire.line import Line
 from wire.scenario import BatterySection, Fan, InQueue, Range, Scenario
 
@@ -24,7 +24,7 @@ LOW_V, MARGIN_V, READY_V, SILENCE_S, DISPATCH_S = 8.5, 0.1, 8.7, 300.0, 10.0  # 
 
 def check_mission(scenario: Scenario) -> None:
     """Raises Mistake where a part belongs to another mission."""
-    kinds: dict[str, type] = {"area": Grid, "line": Polyline}
+    kinds = {"area": (Grid, Graph), "line": (Polyline,)}
     if not isinstance(scenario.field, kinds[scenario.mission]):
         right, got = (one.__struct_config__.tag for one in (kinds[scenario.mission], type(scenario.field)))
         raise Mistake(f"field.kind must be {right} for mission {scenario.mission}, got {got}")

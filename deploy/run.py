@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from deploy.launcher import Launcher, free_port
+from deploy.launcher import Launcher, free_port, roll_entry
 from deploy.process import on_interrupt_now
 from deploy.recorder import deaths, summarise
 from deploy.rehearsal import Rehearsal, rehearse
@@ -16,9 +16,9 @@ from deploy.report import ProgressLine, console_for, print_result
 from deploy.run_folder import find_folder, new_folder
 from deploy.scenario_file import ScenarioError, find_scenario, load_scenario, to_toml
 from deploy.viewer import choose_mode
-from wire.messages import Facts
 from wire.scenario import Scenario
 from world_server.journal import commits
+from world_server.records import Commit
 
 INTERRUPTED = 130
 
@@ -92,13 +92,13 @@ def _last_tick(scenario: Scenario, until_s: float | None) -> int:
 def _rehearse(scenario: Scenario, folder: Path, last_tick: int, progress: ProgressLine) -> list[dict]:
     stop = on_interrupt_now()
 
-    def watch(facts: Facts, swarm: Rehearsal) -> None:
-        progress.show(facts)
+    def watch(commit: Commit, swarm: Rehearsal) -> None:
+        progress.show(commit.facts)
         swarm.finishing = stop()
 
     rehearse(scenario, to_toml(scenario), folder, last_tick, watch)
     roles = {node: "tower" if node == scenario.tower.id else "robot" for node in scenario.node_ids}
-    return [_process(node, role, os.getpid(), 0, 0) for node, role in roles.items()]
+    return [roll_entry(node, role, os.getpid(), 0, 0) for node, role in roles.items()]
 
 
 def _launch(
@@ -109,12 +109,4 @@ def _launch(
     asyncio.run(
         launcher.run(mode, lambda line: console.print(f"dashboard {line}", highlight=False, soft_wrap=True))
     )
-    processes = [
-        _process(node, role, child.pid, incarnation, child.status)
-        for node, role, child, incarnation in launcher.processes
-    ]
-    return processes, launcher.interrupted
-
-
-def _process(node: str, role: str, pid: int, incarnation: int, status: int | None) -> dict[str, Any]:
-    return {"node": node, "role": role, "pid": pid, "incarnation": incarnation, "exit": status}
+    return launcher.roll(), launcher.interrupted

@@ -107,7 +107,7 @@ class Trials:
             self._show(before + len(points) * done / max(total, 1), self.outcomes, self.best)
 
         failed: dict[str, SweepError] = {}
-        finished = sweep(jobs, self._folder, show, failed)
+        finished = sweep(jobs, self._folder, show, lean=True, failed=failed)
         summaries: dict[int, list[dict[str, Any]]] = {}
         for name, number in points_of.items():  # in order, so that of several reasons always the same is told
             if name in failed:

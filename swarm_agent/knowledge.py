@@ -4,6 +4,7 @@ Any behaviour that says its news in a `Bulletin` is understood by the tower, wha
 Source: Kobayashi et al. 2025, section IV-A and Algorithm 1; the memory of what neighbours have is ours.
 """
 
+from collections.abc import Sequence
 from typing import Any, Generic, TypeVar
 
 import msgspec
@@ -121,3 +122,47 @@ class NeighbourMemory:
         """Keep what was said at `tick` until it may have been acknowledged."""
         self._sent[tick] = news
         self._sent.pop(tick - keep_ticks, None)
+
+
+class Reporter:
+    """When a robot speaks that need not speak at every tick: with a message of its own, or to the tower.
+
+    Source: Kobayashi et al. 2025, section V-A2: comparators share what they know with the base station "on
+    connection". Connected is who hears the tower, and the tower's own table says what it lacks. What was just
+    told is not told again before the tower's answer had time to come.
+    """
+
+    PATIENCE_TICKS = 8
+
+    def __init__(self, tower: str, knowledge: AssumedIdleness) -> None:
+        sites = len(knowledge.visited_tick)
+        self._tower = tower
+        self._knowledge = knowledge
+        self._known = np.zeros(sites, dtype="<u4")
+        self._told = np.zeros(sites, dtype="<u4")
+        self._told_tick = self._tower_since = self.since_tick = -1
+
+    def frames(self, tick: int, heard: Sequence[Heard], message: Any = None) -> tuple[Bulletin, ...]:
+        """One frame with the whole table, or none. Call it at every step."""
+        if self.since_tick < 0:
+            self.since_tick = tick
+        connected = self._listen(heard)
+        if connected and tick > self._told_tick + self.PATIENCE_TICKS:
+            self._told[:] = 0
+        news = self._knowledge.visited_tick > np.maximum(self._known, self._told)
+        if message is None and not (connected and news.any()):
+            return ()
+        if connected:
+            self._told_tick = tick
+            self._told[:] = self._knowledge.visited_tick
+        return (Bulletin(self._knowledge.newest(len(news)), (), self.since_tick, message),)
+
+    def _listen(self, heard: Sequence[Heard]) -> bool:
+        """Learn what the tower has. Returns whether it was heard."""
+        said = [bulletin for sender, _, bulletin in heard if sender == self._tower]
+        for bulletin in said:
+            if bulletin.since_tick != self._tower_since:
+                self._tower_since = bulletin.since_tick
+                self._known[:] = self._told[:] = 0
+            merge_news(self._known, bulletin.news)
+        return bool(said)

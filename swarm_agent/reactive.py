@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from swarm_agent.behaviour import Behaviour, Heard, Move, Parameters
-from swarm_agent.knowledge import AnyBulletin, AssumedIdleness, Bulletin
-from wire.messages import Configuration, GoTo, Percept, Pose
+from swarm_agent.knowledge import AnyBulletin, AssumedIdleness, Reporter
+from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, Configuration, GoTo, Percept, Pose
 
 
 class Reactive(Behaviour):
@@ -27,8 +27,8 @@ class Reactive(Behaviour):
         super().__init__(parameters, configuration, generator)
         self.sites_m = configuration.field.sites_m()
         self.knowledge = AssumedIdleness(len(self.sites_m))
+        self.reporter = Reporter(configuration.tower, self.knowledge)
         self.target = -1
-        self.since_tick = -1
 
     @abstractmethod
     def worth(self, sites: np.ndarray, idle_s: np.ndarray, costs_m: np.ndarray) -> np.ndarray:
@@ -42,20 +42,20 @@ class Reactive(Behaviour):
         return None
 
     def step(self, percept: Percept, heard: Sequence[Heard]) -> Move:
-        """Note a visit that is complete, choose the next site, and say what is known."""
+        """Note a visit that is complete, choose the next site, and say what others or the tower lack."""
         tick, pose, message = percept.tick, percept.senses.pose, None
         self.hear(heard)
         if self.target < 0:
-            self.since_tick, self.target = tick, self._nearest(pose)
+            self.target = self._nearest(pose)
         elif self._is_at(pose, self.target):
             completed = self.target
             self.knowledge.note_visit(completed, tick)
             self.target = self._next(tick)
             message = self.announce(completed)
         x_m, y_m = self.sites_m[self.target]
-        say = Bulletin(self.knowledge.newest(len(self.sites_m)), (), self.since_tick, message)
         motion = GoTo(x_m, y_m, self.configuration.field.visit_within_m)
-        return Move(motion, (say,), tick + 1)
+        frames = self.reporter.frames(tick, heard, message)
+        return Move(motion, frames, wake_on=WAKE_ON_FRAME | WAKE_ON_ARRIVAL)
 
     def _next(self, tick: int) -> int:
         """The best neighbour, one of several equal ones at random. A lone site is visited again."""

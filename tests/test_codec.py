@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.builders import percept
 from wire import codec, messages
-from wire.fields import Grid, Polyline
+from wire.fields import Edge, Graph, Grid, Polyline
 from wire.messages import Action, GoTo, Message, Motion, Notice, Percept, Request, Stay
 
 KINDS = [
@@ -32,6 +32,7 @@ grids = st.builds(
     st.floats(0.1, 100),
     st.none() | st.floats(0, 100),
     st.floats(0.1, 9),
+    st.lists(st.tuples(st.integers(0, 29), st.integers(0, 29)), max_size=3).map(tuple),
 )
 places = st.tuples(finite, finite)
 polylines = st.builds(
@@ -41,6 +42,15 @@ polylines = st.builds(
     st.floats(0, 9),
     st.floats(0, 9),
     st.floats(0.1, 9),
+    st.floats(0.1, 9),
+)
+numbers = st.integers(0, 9)
+graphs = st.builds(
+    Graph,
+    st.text(max_size=4),
+    st.lists(places, max_size=3).map(tuple),
+    st.lists(st.builds(Edge, numbers, numbers, st.none() | st.floats(0.1, 9)), max_size=3).map(tuple),
+    st.sampled_from(["cost", "straight"]),
     st.floats(0.1, 9),
 )
 
@@ -60,6 +70,8 @@ def field_of(kind, name, hint):
         return counts
     if hint is Grid:
         return grids
+    if hint is Graph:
+        return graphs
     if hint is Polyline:
         return polylines
     if hint is float:

@@ -8,6 +8,7 @@ import pytest
 
 from deploy.metrics.area import NAMES, AreaMetrics
 from deploy.metrics.intervals import NAMES as OTHERS
+from deploy.metrics.word_of_visits import NAMES as WORDS
 from deploy.recorder import summarise
 from deploy.scenario_file import load_scenario
 from swarm_agent.knowledge import News
@@ -127,7 +128,7 @@ def test_a_run_that_ends_before_metrics_from_s_has_no_metrics():
     for tick in range(9):
         fold.feed(facts(tick))
     assert set(fold.summary().values()) == {None}
-    assert set(fold.summary()) == {*NAMES, *(f"normalised_{name}" for name in NAMES), *OTHERS}
+    assert set(fold.summary()) == {*NAMES, *(f"normalised_{name}" for name in NAMES), *OTHERS, *WORDS}
 
 
 def test_a_tower_that_reports_in_other_words_is_merely_ignorant():

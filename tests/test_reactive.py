@@ -9,7 +9,7 @@ from swarm_agent.behaviours.gbs import Arrival, Gbs
 from swarm_agent.behaviours.heuristic_conscientious_reactive import HeuristicConscientiousReactive
 from swarm_agent.behaviours.random import Random
 from swarm_agent.behaviours.sebs import Sebs
-from swarm_agent.knowledge import Bulletin
+from swarm_agent.knowledge import Bulletin, News
 from tests.builders import NO_NEWS, configuration, course, entries, percept, scenario
 from wire.fields import Grid
 
@@ -103,7 +103,7 @@ def test_gbs_says_where_it_was_and_where_it_goes():
     one = talker(Gbs)
     move = one.step(percept(7, 45.0, 45.0), [])
     assert move.say[0].message == Arrival(CENTRE, one.target)
-    assert one.step(percept(8, 45.0, 45.0), []).say[0].message is None, "only once"
+    assert one.step(percept(8, 45.0, 45.0), []).say == (), "only once"
 
 
 def test_sebs_shuns_where_others_go():
@@ -133,10 +133,23 @@ def test_a_field_of_one_cell_is_visited_again_and_again():
     assert one.target == 0
 
 
-def test_it_tells_what_it_has_visited_and_nothing_else():
-    one = robot(ConscientiousReactive)
-    move = one.step(percept(7, 45.0, 45.0), [])
-    assert {site: tick for site, tick in entries(move.say[0].news).items() if tick} == {CENTRE: 7}
+def tower_says(tick, visited_tick, since_tick=0):
+    news = News(np.array(visited_tick, dtype="<u4").tobytes())
+    return Heard("r1", tick - 1, Bulletin(news, (), since_tick))
+
+
+def test_it_tells_the_tower_what_the_tower_lacks_and_nothing_else():
+    """Source: Kobayashi et al. 2025, V-A2: assumed idleness is shared with the base station on connection."""
+    one, empty, full = robot(ConscientiousReactive), [0] * 9, [0] * CENTRE + [7] + [0] * 4
+    assert one.step(percept(7, 45.0, 45.0), []).say == (), "out of reach"
+    (said,) = one.step(percept(8, 45.0, 45.0), [tower_says(8, empty)]).say
+    assert {site: tick for site, tick in entries(said.news).items() if tick} == {CENTRE: 7}
+    for tick in range(9, 17):
+        assert one.step(percept(tick, 45.0, 45.0), [tower_says(tick, empty)]).say == (), "wait for its answer"
+    assert one.step(percept(17, 45.0, 45.0), [tower_says(17, empty)]).say, "it must have been lost"
+    assert one.step(percept(40, 45.0, 45.0), [tower_says(40, full)]).say == ()
+    assert one.step(percept(60, 45.0, 45.0), [tower_says(60, full)]).say == ()
+    assert one.step(percept(80, 45.0, 45.0), [tower_says(80, empty, since_tick=70)]).say, "a tower reborn"
 
 
 @pytest.mark.parametrize("name", ["conscientious_reactive", "heuristic_conscientious_reactive"])

@@ -28,13 +28,13 @@ def path(tmp_path):
 @pytest.fixture
 def rehearsed(monkeypatch):
     """The names of the rehearsals that are run, in the order in which they begin."""
-    names, really = [], sweep._rehearse
+    names, really = [], sweep._Sweep._carry_out
 
-    async def counted(folder, scenario):
+    async def counted(self, folder, scenario, processes):
         names.append(folder.name)
-        await really(folder, scenario)
+        await really(self, folder, scenario, processes)
 
-    monkeypatch.setattr(sweep, "_rehearse", counted)
+    monkeypatch.setattr(sweep._Sweep, "_carry_out", counted)
     return names
 
 

@@ -91,6 +91,8 @@ class Senses(Message):
     """How far the body has come along the path it was last given."""
     blocked_by: NodeId | None = None
     """The body that this one waits behind, which is then in sight."""
+    shared_last_visit: bytes = b""
+    """uint32: the tick of every site's last visit, this tick's included; empty where it is not granted."""
 
 
 class Percept(Message):

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 
 from wire.channels import number_of
-from wire.fields import Field
+from wire.fields import Field, Number
 from wire.messages import Memory, NodeId, Place, Verb
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
@@ -44,19 +44,22 @@ class Robots(Section):
     `spares` are ids with credentials but without a body: the access rules are fixed when a run begins.
     `body_m`: the distance bodies keep from each other; 0 lets them pass freely. `noise_sd`: standard
     deviation of the noise on linear and rotational velocity, as a fraction of full speed, over one second.
+    `start`: a list has a site for each robot, and says how many there are where `count` and `ids` do not.
+    `shared_last_visit`: robots sense when each site was really last visited, by whomever.
     """
 
     behaviour: str
     count: Team | None = None
     ids: tuple[NodeId, ...] | None = None
     parameters: dict[str, Any] = {}
-    start: Fan | Poses | InQueue = Fan()
+    start: Fan | Poses | InQueue | tuple[Number, ...] = Fan()
     max_speed_m_s: Positive = 1.5
     max_turn_rad_s: Positive = 1.0
     sensor_range_m: NotNegative = 90.0
     body_m: NotNegative = 0.0
     noise_sd: NotNegative = 0.0
     spares: Annotated[int, msgspec.Meta(ge=0, le=100)] = 0
+    shared_last_visit: bool = False
 
 
 class TowerSection(Section):
@@ -155,7 +158,10 @@ class PlannedFault(Section):
 
 
 class Scenario(Section):
-    """One run, whole."""
+    """One run, whole.
+
+    `ends_with_visit`: after `duration_s` it goes on to the first tick with a visit, at most as long again.
+    """
 
     mission: Literal["area", "line"]
     duration_s: Positive
@@ -165,6 +171,7 @@ class Scenario(Section):
     tick_s: Positive = 1.0
     seed: Annotated[int, msgspec.Meta(ge=0, le=2**63 - 1)] = 1
     metrics_from_s: NotNegative = 0.0
+    ends_with_visit: bool = False
     radio: RadioSection = RadioSection()
     battery: BatterySection | None = None
     clock: ClockSection = ClockSection()
@@ -177,7 +184,9 @@ class Scenario(Section):
         """Ids of all robots, in the order of their numbers."""
         if self.robots.ids is not None:
             return tuple(sorted(self.robots.ids, key=number_of))
-        return tuple(f"r{number}" for number in self._numbers(self.robots.count or 0))
+        start = self.robots.start
+        count = self.robots.count or (len(start) if isinstance(start, tuple) else 0)
+        return tuple(f"r{number}" for number in self._numbers(count))
 
     @property
     def node_ids(self) -> tuple[str, ...]:
@@ -192,8 +201,8 @@ class Scenario(Section):
 
     @property
     def last_tick(self) -> int:
-        """The tick at which the mission ends."""
-        return round(self.duration_s / self.tick_s)
+        """The tick at which the mission ends, or from which on a visit ends it."""
+        return self.tick_of(self.duration_s) if self.ends_with_visit else round(self.duration_s / self.tick_s)
 
     def tick_of(self, time_s: float) -> int:
         """The first tick at or after a time."""

@@ -134,13 +134,13 @@ def _pairs(
     """Every frame paired with every node that could hear it, in order of sender, frame, receiver."""
     nodes = len(apart_m)
     frames = [(row, index) for row in sorted(outboxes) for index in range(len(outboxes[row]))]
-    columns = np.array(frames, dtype=np.int64).reshape(-1, 2)
-    senders, indices = np.repeat(columns[:, 0], nodes), np.repeat(columns[:, 1], nodes)
-    receivers = np.tile(np.arange(nodes), len(frames))
-    others = senders != receivers
-    for row in deaf:
-        others &= receivers != row
-    return Transmissions(tick, senders[others], indices[others], receivers[others], apart_m)
+    rows, indices = np.array(frames, dtype=np.int64).reshape(-1, 2).T
+    hears = np.ones((len(frames), nodes), dtype=bool)
+    hears[np.arange(len(frames)), rows] = False
+    if deaf:
+        hears[:, deaf] = False
+    frame, receivers = hears.nonzero()
+    return Transmissions(tick, rows[frame], indices[frame], receivers, apart_m)
 
 
 def _make(

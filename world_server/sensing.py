@@ -18,13 +18,13 @@ def sightings(
 
     `positions_m`: (nodes, 2); `apart_m`: (nodes, nodes); `ranges_m`: (nodes,).
     """
-    places, bodies = positions_m.tolist(), {}
+    bodies: dict[int, Sighting] = {}
     reach_m = ranges_m[rows, None]
     sees = (apart_m[rows] <= reach_m) & (reach_m > 0)
     sees[np.arange(len(rows)), rows] = False
     seen: dict[int, list[Sighting]] = {row: [] for row in rows}
-    for place, other in np.argwhere(sees).tolist():
+    for place, other in zip(*(column.tolist() for column in sees.nonzero()), strict=True):
         if other not in bodies:
-            bodies[other] = Sighting(nodes[other], *places[other])
+            bodies[other] = Sighting(nodes[other], *positions_m[other].tolist())
         seen[rows[place]].append(bodies[other])
     return {row: tuple(one) for row, one in seen.items()}

@@ -71,6 +71,10 @@ class LineMetrics:
             self._visits.add(facts.tick, site)
         self._incidents += len(facts.incidents)
 
+    def tables(self) -> dict[str, Any]:
+        """Nothing beside the numbers."""
+        return {}
+
     def summary(self) -> dict[str, Any]:
         """The run's metrics; None where there was nothing to measure."""
         self._pass_time()

@@ -28,7 +28,6 @@ IDLE = {
     ("8/6", "base"): "34.2 %, 12.2 % restructured",
     ("8/6", "proactive"): "11.3 %",
 }
-DEFAULT_SEEDS, DEFAULT_HOURS = 3, 24.0
 
 
 def jobs(seeds: int, hours: float) -> dict[str, Scenario]:

@@ -2,10 +2,10 @@
 
 Source: Yan and Zhang 2016, "Multi-robot patrolling based on the expected idleness" (IJARS 13(6)), and their
 released code, as a comparator in the world of Kobayashi et al. 2025: candidates are the eight adjacent cells,
-travel time is the distance of centres over the largest speed, and nobody waits at a cell. On arrival a robot
-says which cell it visited and when it will be at the next: its reservation, which ends at that time whatever
-has become of the robot. Bodies of this mission pass each other freely, so the recovery of the released code
-from being stuck has nothing to do here and is left out.
+or the neighbours on a graph, travel time is the length of the way over the largest speed, and nobody waits.
+On arrival a robot says which cell it visited and when it will be at the next: its reservation, which ends at
+that time whatever has become of the robot. Bodies of this mission pass each other freely, so the recovery of
+the released code from being stuck has nothing to do here and is left out.
 """
 
 import math
@@ -16,8 +16,8 @@ import msgspec
 import numpy as np
 
 from swarm_agent.behaviour import Behaviour, Heard, Move, Parameters
-from swarm_agent.knowledge import AssumedIdleness, Bulletin
-from wire.messages import Configuration, GoTo, Percept, Pose
+from swarm_agent.knowledge import AssumedIdleness, Bulletin, Reporter
+from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, Configuration, GoTo, Percept, Pose
 
 Seconds = Annotated[float, msgspec.Meta(ge=0, le=2.0**53)]  # which also refuses NaN
 Site = Annotated[int, msgspec.Meta(ge=-1)]
@@ -77,10 +77,10 @@ class ExpectedReactive(Behaviour):
         super().__init__(parameters, configuration, generator)
         self.centres_m = configuration.field.sites_m()
         self.knowledge = AssumedIdleness(len(self.centres_m))
+        self.reporter = Reporter(configuration.tower, self.knowledge)
         self.intentions: dict[str, Intention] = {}
-        self.target = -1
+        self.target = self.since_tick = -1
         self.arrival_s = 0.0
-        self.since_tick = -1
 
     def step(self, percept: Percept, heard: Sequence[Heard]) -> Move:
         """One timestep: hear decisions, decide on arrival, say it with the table, drive on."""
@@ -88,18 +88,23 @@ class ExpectedReactive(Behaviour):
         self.listen(heard)
         decision = None
         if self.target < 0:
-            self.since_tick = tick
             decision = self._set_out(tick, pose)
         elif math.dist((pose.x_m, pose.y_m), self.centres_m[self.target]) <= self._visit_within_m:
             self.knowledge.note_visit(self.target, tick)
             decision = self._go_on(tick)
-        table = self.knowledge.newest(len(self.centres_m))
-        say = Bulletin(table, (), self.since_tick, decision)
-        if self.parameters.relay:
-            self.knowledge.merge(*[one.message.news for one in heard])
         x_m, y_m = self.centres_m[self.target]
         motion = GoTo(x_m, y_m, self._visit_within_m)
-        return Move(motion, (say,), tick + 1, report=Aim(self.target, self.arrival_s))
+        aim = Aim(self.target, self.arrival_s)
+        if self.parameters.relay:
+            return Move(motion, (self._relayed(tick, heard, decision),), tick + 1, report=aim)
+        frames = self.reporter.frames(tick, heard, decision)
+        return Move(motion, frames, wake_on=WAKE_ON_FRAME | WAKE_ON_ARRIVAL, report=aim)
+
+    def _relayed(self, tick: int, heard: Sequence[Heard], decision: Decision | None) -> Bulletin:
+        """What Algorithm 1 of LR-PT says at every tick: the whole table, before that of others is merged."""
+        table = self.knowledge.newest(len(self.centres_m))
+        self.knowledge.merge(*[one.message.news for one in heard])
+        return Bulletin(table, (), self.since_tick, decision)
 
     def listen(self, heard: Sequence[Heard]) -> None:
         """Take in visits and intentions that neighbours said themselves; a later intention replaces."""
@@ -133,8 +138,8 @@ class ExpectedReactive(Behaviour):
         """
         expected_s, now_s = self.expected_s(tick), tick * self.configuration.tick_s
         utility = {}
-        for site in self.adjacent(here):
-            travel_s = self._travel_s(here, site)
+        for site, way_m in self.configuration.field.neighbours(here):
+            travel_s = max(way_m, self.parameters.distance_min_m) / self.configuration.max_speed_m_s
             utility[site] = float(abs(now_s + travel_s - expected_s[site]) / travel_s)
         return utility
 
@@ -147,21 +152,11 @@ class ExpectedReactive(Behaviour):
         best = [site for site, value in utility.items() if value == most]
         return best[0] if len(best) == 1 else int(self.generator.choice(best))
 
-    def adjacent(self, here: int) -> list[int]:
-        """The up to eight cells around a cell, in order of number."""
-        field = self.configuration.field
-        column, row = divmod(here, field.rows)
-        return [
-            beside * field.rows + above
-            for beside in range(max(column - 1, 0), min(column + 2, field.columns))
-            for above in range(max(row - 1, 0), min(row + 2, field.rows))
-            if (beside, above) != (column, row)
-        ]
-
     def _set_out(self, tick: int, pose: Pose) -> Decision:
         """The first decision: the nearest cell, unvisited as yet."""
         away_m = [math.dist((pose.x_m, pose.y_m), centre) for centre in self.centres_m]
         self.target = int(np.argmin(away_m))
+        self.since_tick = tick
         travel_s = away_m[self.target] / self.configuration.max_speed_m_s
         self.arrival_s = tick * self.configuration.tick_s + travel_s
         return Decision(-1, self.target, self.arrival_s)
@@ -169,19 +164,11 @@ class ExpectedReactive(Behaviour):
     def _go_on(self, tick: int) -> Decision:
         """The decision on arrival. The time of arrival that is said is that of the way as it is."""
         here, self.target = self.target, self.choose(tick, self.target)
-        travel_s = self._straight_m(here, self.target) / self.configuration.max_speed_m_s
+        ways_m = dict(self.configuration.field.neighbours(here))
+        travel_s = ways_m.get(self.target, 0.0) / self.configuration.max_speed_m_s
         self.arrival_s = tick * self.configuration.tick_s + travel_s
         return Decision(here, self.target, self.arrival_s)
 
     @property
     def _visit_within_m(self) -> float:
         return self.configuration.field.visit_within_m
-
-    def _straight_m(self, here: int, site: int) -> float:
-        rows = self.configuration.field.rows
-        cells = math.hypot(here // rows - site // rows, here % rows - site % rows)
-        return cells * self.configuration.field.cell_m
-
-    def _travel_s(self, here: int, site: int) -> float:
-        longer_m = max(self._straight_m(here, site), self.parameters.distance_min_m)
-        return longer_m / self.configuration.max_speed_m_s

@@ -1,0 +1,192 @@
+"""Which trials the study has: their names, settings and order.
+
+Source: Kobayashi et al. 2025, Tables I and II, sections V-B to V-E. Ten trials of each kind per size, as its
+Table II has them with three sizes and two kinds of idleness; seeds are ours.
+"""
+
+import hashlib
+import importlib
+import inspect
+import json
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from deploy.scenario_file import SHIPPED, ScenarioError, load_scenario
+from swarm_agent.behaviour import BehaviourError, find_behaviour
+from wire.scenario import Scenario
+
+SIZES = (5, 10, 15)
+"""Nodes, the tower counted."""
+
+
+class Algorithm(NamedTuple):
+    """One row of the comparison: its name in folders, its name for readers, the behaviour, its parameters."""
+
+    name: str
+    label: str
+    behaviour: str
+    parameters: dict[str, Any]
+
+
+LR_PT = Algorithm("lr_pt", "LR-PT", "lr_pt", {})
+ALGORITHMS = (
+    LR_PT,
+    Algorithm("expected_reactive", "ER", "expected_reactive", {}),
+    Algorithm("expected_reactive-relay", "ER+relay", "expected_reactive", {"relay": True}),
+    Algorithm("dtap", "DTAP", "dtap", {}),
+    Algorithm("chain_connected", "chain connected", "chain_connected", {}),
+)
+
+TUNED: dict[tuple[str, int], dict[str, Any]] = {}
+"""Parameters by the algorithm's name and N, where a pattern search found better ones than the defaults."""
+
+
+class Scale(NamedTuple):
+    """How long trials are, and how many there are unless the user says otherwise."""
+
+    duration_s: float
+    metrics_from_s: float
+    failures_s: float
+    trials: int
+
+
+FULL = Scale(43200, 10000, 129600, 10)
+QUICK = Scale(3000, 1000, 6000, 2)
+FEW = 3
+"""Trials of kinds that only show what the paper's letter leads to."""
+
+
+class Variant(NamedTuple):
+    """LR-PT in another setting; `most`: no more trials than this, 0 for as many as of the others."""
+
+    name: str
+    parameters: dict[str, Any]
+    tower: dict[str, Any]
+    most: int
+
+    def settings(self) -> tuple[str, ...]:
+        """As `--set` takes them."""
+        return (*_parameters("robots", self.parameters), *_parameters("tower", self.tower))
+
+
+VARIANTS = (
+    Variant("s8", {"items_per_tick": 8, "items": "unsent"}, {"items_per_tick": 8}, 0),
+    Variant("s8-newest", {"items_per_tick": 8, "items": "newest"}, {"items_per_tick": 8}, FEW),
+    Variant("literal", {"lock_breaker": "none"}, {}, FEW),
+)
+MEMORIES = ("kept", "lost")
+
+
+class Trial(NamedTuple):
+    """One trial: what it is of (`kind`: main, a variant's name, failures-kept, ...), and how it is run."""
+
+    name: str
+    kind: str
+    algorithm: Algorithm
+    nodes: int
+    seed: int
+    as_processes: bool
+    base: str
+    settings: tuple[str, ...]
+
+    def scenario(self) -> Scenario:
+        """The complete scenario. Raises ScenarioError."""
+        return load_scenario(SHIPPED / f"{self.base}.toml", list(self.settings))
+
+
+def trials(
+    scale: Scale, count: int, guests: Sequence[Algorithm] = (), all_processes: bool = False, only: str = ""
+) -> list[Trial]:
+    """All trials in the order in which they are to run: a whole comparison after each seed.
+
+    `only`: those whose name contains this text, in which a number stands for itself and not for the beginning
+    of a longer one. Raises ScenarioError where there is none.
+    """
+    everybody = (*ALGORITHMS, *guests)
+    found = [
+        trial
+        for seed in range(1, count + 1)
+        for trial in _of_seed(scale, seed, everybody, all_processes)
+        if _contains(trial.name, only)
+    ]
+    if not found:
+        raise ScenarioError(f"--only {only}: no trial has this in its name; one is called lr_pt-n5-seed1")
+    return found
+
+
+def guest(behaviour: str, taken: Sequence[Algorithm] = ALGORITHMS) -> Algorithm:
+    """A user's behaviour as one more algorithm. Raises ScenarioError.
+
+    The name has a fingerprint of its source file, so that trials of an earlier version are not taken for it.
+    """
+    try:
+        module = importlib.import_module(find_behaviour(behaviour, "swarm_agent.behaviours").__module__)
+    except BehaviourError as error:
+        raise ScenarioError(f"--behaviour {behaviour}: {error}") from None
+    if any(behaviour in (one.behaviour, one.label) for one in taken):
+        raise ScenarioError(f"--behaviour {behaviour}: is in the comparison already")
+    fingerprint = hashlib.blake2b(inspect.getsource(module).encode(), digest_size=4).hexdigest()
+    name = re.sub(r"[^A-Za-z0-9_]+", ".", behaviour)
+    return Algorithm(f"{name}-{fingerprint}", behaviour, behaviour, {})
+
+
+def _of_seed(
+    scale: Scale, seed: int, algorithms: Sequence[Algorithm], all_processes: bool
+) -> Iterator[Trial]:
+    def plain(algorithm: Algorithm, nodes: int, kind: str = "main", *settings: str) -> Trial:
+        parts = (algorithm.name, *([kind] if kind != "main" else []), f"n{nodes}", f"seed{seed}")
+        given = _settings(algorithm, nodes, seed) + settings
+        given += (f"duration_s={scale.duration_s}", f"metrics_from_s={scale.metrics_from_s}")
+        base = "area-patrol-n10"
+        return Trial("-".join(parts), kind, algorithm, nodes, seed, all_processes, base, given)
+
+    for nodes in SIZES:
+        yield from (plain(algorithm, nodes) for algorithm in algorithms)
+    for variant in VARIANTS:
+        if not variant.most or seed <= variant.most:
+            yield from (plain(LR_PT, nodes, variant.name, *variant.settings()) for nodes in SIZES)
+    if seed > 1:
+        return
+    if not all_processes:
+        for algorithm in algorithms:
+            sample = plain(algorithm, min(SIZES))
+            yield sample._replace(name=f"{sample.name}-processes", kind="processes", as_processes=True)
+    for nodes in SIZES:
+        yield from (_failures(scale, nodes, memory) for memory in MEMORIES)
+
+
+def _failures(scale: Scale, nodes: int, memory: str) -> Trial:
+    """The 20 % highest numbers die at a third of the run and come back at two thirds: always real kills."""
+    settings = (
+        *_settings(LR_PT, nodes, 1),
+        f"duration_s={scale.failures_s}",
+        f"metrics_from_s={scale.metrics_from_s}",
+        f"faults.0.at_s={scale.failures_s / 3}",
+        f"faults.1.at_s={scale.failures_s * 2 / 3}",
+        f"faults.1.memory={memory}",
+    )
+    kind = f"failures-{memory}"
+    return Trial(
+        f"lr_pt-{kind}-n{nodes}-seed1", kind, LR_PT, nodes, 1, True, "area-patrol-failures", settings
+    )
+
+
+def _settings(algorithm: Algorithm, nodes: int, seed: int) -> tuple[str, ...]:
+    parameters = TUNED.get((algorithm.name, nodes), {}) | algorithm.parameters
+    return (
+        f"seed={seed}",
+        f"robots.count={nodes - 1}",
+        f"robots.behaviour={json.dumps(algorithm.behaviour)}",
+        *_parameters("robots", parameters),
+    )
+
+
+def _parameters(section: str, parameters: dict[str, Any]) -> tuple[str, ...]:
+    return tuple(f"{section}.parameters.{name}={json.dumps(value)}" for name, value in parameters.items())
+
+
+def _contains(name: str, text: str) -> bool:
+    before = r"(?<!\d)" if text[:1].isdigit() else ""
+    behind = r"(?!\d)" if text[-1:].isdigit() else ""
+    return re.search(f"{before}{re.escape(text)}{behind}", name) is not None
