@@ -79,6 +79,7 @@ PURE = (
     "deploy/metrics/*.py",
     "deploy/graph_file.py",
     "deploy/graph_paths.py",
+    "deploy/pattern_search.py",
     "deploy/scene.py",
     "deploy/scenes/*.py",
     *(
