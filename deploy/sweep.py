@@ -36,8 +36,8 @@ def sweep(
     Jobs are rehearsals but those named in `as_processes`, which are runs of real processes, one at a time.
     `lean`: rehearsals leave no journal. `show` is told how many of how many are done, `ended` the name of
     each job that is done, and whether it was there already. A folder whose scenario is the same and that has
-    a summary is taken as it is. Given `failed`, a trial that ends by itself with an error is put there, has no
-    summary, and the others go on. Raises SweepError, and KeyboardInterrupt on Ctrl-C.
+    a summary is taken as it is. Raises SweepError, and KeyboardInterrupt on Ctrl-C. Given `failed`, a trial
+    that ends by itself with an error is put there, has no summary, and the others go on.
     """
     return asyncio.run(_Sweep(jobs, parent, show, as_processes, lean, ended, failed).run())
 
@@ -80,8 +80,9 @@ class _Sweep:
             for worker in workers:
                 worker.cancel()
             await asyncio.gather(*workers, return_exceptions=True)
-        done = [name for name in self._jobs if name not in (self._failed or {})]
-        return {name: _summary(self._parent / name) for name in done}
+        return {
+            name: _summary(self._parent / name) for name in self._jobs if name not in (self._failed or {})
+        }
 
     async def _work(self) -> None:
         while name := self._next():
@@ -91,7 +92,7 @@ class _Sweep:
             try:
                 await self._carry_out(self._parent / name, self._jobs[name], processes)
             except SweepError as error:
-                if self._failed is None or error.status < 0:  # a signal: not the scenario's fault
+                if self._failed is None or error.status < 0:  # killed: the scenario is not to blame
                     raise
                 self._failed[name] = error
             if processes:

@@ -86,7 +86,7 @@ PURE = (
         f"world_server/{name}.py"
         for name in """
         world clock area polyline motion path_following traffic radio cells passes sensing nodes records
-        chance battery floorplan
+        chance battery floorplan edges
         """.split()
     ),
 )
