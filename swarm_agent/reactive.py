@@ -17,7 +17,7 @@ from wire.messages import WAKE_ON_ARRIVAL, WAKE_ON_FRAME, Configuration, GoTo, P
 
 
 class ReactiveParameters(Parameters, frozen=True):
-    """`ties`: which of several equally good neighbours is taken, any at random or the one of lowest number."""
+    """`ties`: of several equally good neighbours any at random is taken, or the one of lowest number."""
 
     ties: Literal["random", "lowest"] = "random"
 
@@ -25,7 +25,7 @@ class ReactiveParameters(Parameters, frozen=True):
 class Reactive(Behaviour):
     """A robot that goes from site to neighbouring site. A rule says how good each neighbour is.
 
-    One that begins at a site goes on from there, without having visited it; else it goes to the nearest first.
+    One that begins at a site goes on from there without having visited it, any other to the nearest first.
     Where robots sense all last visits, these stand in for what a robot knows by itself.
     """
 
