@@ -145,3 +145,16 @@ def start_viewer(command: list[str], log: Path, environment: dict[str, str]) -> 
             env=os.environ | environment,
             start_new_session=True,
         )
+
+
+def commit() -> str | None:
+    """The commit of this source tree, with a + where files differ from it; None where git knows none."""
+    answers = []
+    for question in (["rev-parse", "--short", "HEAD"], ["status", "--porcelain", "--untracked-files=no"]):
+        try:
+            asked = ["git", *question]
+            here = Path(__file__).parent
+            answers.append(subprocess.run(asked, cwd=here, capture_output=True, text=True, check=True).stdout)
+        except (OSError, subprocess.CalledProcessError):
+            return None
+    return answers[0].strip() + "+" * bool(answers[1])

@@ -2,8 +2,14 @@
 
 import argparse
 
+from rich.console import Console
+from rich.table import Table
+
 from deploy.campaign import INTERRUPTED, Campaign, make_folder
-from deploy.studies.lr_pt import plan
+from deploy.studies.lr_pt import plan, report
+from deploy.studies.lr_pt.claims import Verdict, verdicts
+from deploy.studies.lr_pt.figures import draw
+from deploy.studies.lr_pt.outcomes import collect, save
 
 
 def reproduce(given: argparse.Namespace) -> int:
@@ -26,4 +32,22 @@ def reproduce(given: argparse.Namespace) -> int:
     if given.only:
         print(f"trials {folder}\nno report: --only leaves trials out")
         return 0
+    outcomes = collect(trials, summaries, folder)
+    save(outcomes, folder / "trials.parquet")
+    judged = verdicts(outcomes)
+    figures = [path.name for path in draw(outcomes, folder)]
+    (folder / "report.md").write_text(report.write(outcomes, judged, scale, given.quick, figures), "utf-8")
+    _print(judged, given.quick)
+    print(f"report {folder / 'report.md'}\ntrials {folder / 'trials.parquet'}")
     return 0
+
+
+def _print(judged: list[Verdict], quick: bool) -> None:
+    """The claims and what became of them."""
+    title = "QUICK RUN: says nothing about the paper" if quick else "The paper's claims"
+    printed = Table(title=title, title_justify="left", show_lines=True)
+    for heading in ("the paper says", "verdict", "measured"):
+        printed.add_column(heading)
+    for one in judged:
+        printed.add_row(one.claim, one.word, one.measured)
+    Console().print(printed)
