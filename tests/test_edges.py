@@ -5,7 +5,7 @@ import math
 import pytest
 
 from tests.builders import AWAKE, STILL, course, scenario
-from tests.test_graph_exact import made_up
+from tests.graph_builders import made_up
 from wire.fields import Edge, Graph
 from wire.messages import Follow, GoTo, Pose, Stay
 from wire.scenario import PlannedFault, Robots, TowerSection

@@ -2,20 +2,19 @@
 
 import os
 from fractions import Fraction
-from functools import cache
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from deploy.field_file import whole
 from deploy.metrics.area import AreaMetrics
 from deploy.scenario_file import find_scenario, load_scenario
 from tests.builders import STILL, course, scenario
+from tests.graph_builders import GRAPHS, STEP_M, chance, data_graph, made_up
 from tests.graph_oracle import patrol
 from tests.live_runs import launched, run_hash
 from tests.test_graph_file import FOLDER_VARIABLE
-from wire.fields import Edge, Graph
+from wire.fields import Graph
 from wire.scenario import Robots, Scenario, TowerSection
 
 RULES = ("conscientious_reactive", "heuristic_conscientious_reactive")
@@ -26,28 +25,6 @@ METRICS = (
     "instantaneous_worst_idleness_s",
     "worst_idleness_at_events_s",
 )
-GRAPHS = Path(find_scenario("graph-grid")).parent / "graphs"
-STEP_M = Fraction(1, 2)
-"""What the lengths of random graphs are whole multiples of: a tick's way."""
-
-
-def chance(*key: int) -> np.random.Generator:
-    return np.random.Generator(np.random.Philox(np.random.SeedSequence(key)))
-
-
-@cache
-def made_up(number: int) -> Graph:
-    """A random connected graph: a random tree, some edges more, some of which cost more on the way back."""
-    draw = chance(number)
-    count = 8 + 4 * number
-    pairs = {(int(draw.integers(node)), node) for node in range(1, count)}
-    pairs |= {tuple(sorted(draw.choice(count, 2, replace=False).tolist())) for _ in range(count // 2)}
-    edges = []
-    for start, end in sorted(pairs):
-        edges.append(Edge(start, end, float(STEP_M * int(draw.integers(1, 13)))))
-        if draw.random() < 0.2:
-            edges.append(Edge(end, start, float(STEP_M * int(draw.integers(1, 13)))))
-    return Graph(nodes_m=tuple(map(tuple, draw.uniform(0, 50, (count, 2)).tolist())), edges=tuple(edges))
 
 
 def run(graph: Graph, starts: tuple[int, ...], rule: str, horizon_s: float, tick_s: float) -> Scenario:
@@ -108,16 +85,6 @@ def test_a_run_that_waits_for_a_visit_ends_without_one_when_it_has_lasted_twice_
     robots = Robots("stand_still", start=(0, 1))
     given = scenario(robots, field=made_up(0), duration_s=20.0, ends_with_visit=True)
     assert course(given, tmp_path).facts[-1].tick == 40
-
-
-def data_graph(name: str) -> Graph:
-    """A map of patrolling_sim, if there is one."""
-    folder = os.environ.get(FOLDER_VARIABLE)
-    if folder is None or not (Path(folder) / f"{name}.graph").exists():
-        pytest.skip(
-            f"the maps of patrolling_sim are not part of Picket; {FOLDER_VARIABLE} says where they lie"
-        )
-    return whole(Graph(graph=str(Path(folder) / f"{name}.graph")))
 
 
 RESOLUTION_M = {"1r5": 0.05, "DIAG_labs": 0.05, "ctcv": 0.05, "cumberland": 0.075, "example": 0.15}
