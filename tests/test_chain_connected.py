@@ -63,6 +63,16 @@ def test_a_parent_that_moves_lends_only_what_is_within_reach_all_its_way():
     assert one.parent == "r2"
 
 
+def test_the_parent_leads_and_the_child_stays_within_reach_of_its_goal_too():
+    """r2 waits at (3, 0) and wants to (3, 3): (7, 0) is 150 m from that goal, 120 m from where it stands;
+    (8, 0) is 174.9 m and 150 m. r3, at (8, 0), comes nearer, or r2 could never leave."""
+    one = newborn("r3")
+    standing(one, cell(8, 0), said("r2", 99, cell(3, 0), cell(3, 0), goal=cell(3, 3)))
+    above, fit, _ = one._limits(100, one._superiors(one.points_m[cell(8, 0)]))
+    assert above[cell(8, 0)] and above[cell(7, 0)] and fit[cell(7, 0)] and not fit[cell(8, 0)]
+    assert fit[one.goal] and one.next != cell(8, 0)
+
+
 def test_a_robot_with_a_child_goes_only_where_the_child_can_follow_its_own_plan():
     """r2 at (3, 0) with r3 on its way from (7, 0) to (8, 0), at (255, 15): nothing left of (3, 0)."""
     one = newborn("r2")
