@@ -15,13 +15,18 @@ LEFT_BY_A_RUN = ("summary.json", "*.npz", "journal", "events.jsonl", "ledger.sql
 
 
 class SweepError(Exception):
-    """A trial that failed; the text says which, with its last lines."""
+    """A trial that failed; the text says which, with its last lines. `status`: as of its process."""
+
+    def __init__(self, text: str, status: int) -> None:
+        super().__init__(text)
+        self.status = status
 
 
 def sweep(
     jobs: Mapping[str, Scenario],
     parent: Path,
     show: Callable[[int, int], None],
+    failed: dict[str, SweepError] | None = None,
     as_processes: Collection[str] = (),
     lean: bool = False,
     ended: Callable[[str, bool], None] = lambda name, was_there: None,
@@ -31,9 +36,10 @@ def sweep(
     Jobs are rehearsals but those named in `as_processes`, which are runs of real processes, one at a time.
     `lean`: rehearsals leave no journal. `show` is told how many of how many are done, `ended` the name of
     each job that is done, and whether it was there already. A folder whose scenario is the same and that has
-    a summary is taken as it is. Raises SweepError, and KeyboardInterrupt on Ctrl-C.
+    a summary is taken as it is. Raises SweepError, and KeyboardInterrupt on Ctrl-C. Given `failed`, a trial
+    that ends by itself with an error is put there, has no summary, and the others go on.
     """
-    return asyncio.run(_Sweep(jobs, parent, show, as_processes, lean, ended).run())
+    return asyncio.run(_Sweep(jobs, parent, show, failed, as_processes, lean, ended).run())
 
 
 class _Sweep:
@@ -44,12 +50,13 @@ class _Sweep:
         jobs: Mapping[str, Scenario],
         parent: Path,
         show: Callable[[int, int], None],
+        failed: dict[str, SweepError] | None,
         as_processes: Collection[str],
         lean: bool,
         ended: Callable[[str, bool], None],
     ) -> None:
         self._jobs, self._parent, self._as_processes, self._lean = jobs, parent, set(as_processes), lean
-        self._show, self._ended = show, ended
+        self._show, self._ended, self._failed = show, ended, failed
         self._done = 0
         self._waiting: list[str] = []
         self._processes_run = False
@@ -73,14 +80,21 @@ class _Sweep:
             for worker in workers:
                 worker.cancel()
             await asyncio.gather(*workers, return_exceptions=True)
-        return {name: _summary(self._parent / name) for name in self._jobs}
+        return {
+            name: _summary(self._parent / name) for name in self._jobs if name not in (self._failed or {})
+        }
 
     async def _work(self) -> None:
         while name := self._next():
             processes = name in self._as_processes
             if processes:
                 self._processes_run = True
-            await self._carry_out(self._parent / name, self._jobs[name], processes)
+            try:
+                await self._carry_out(self._parent / name, self._jobs[name], processes)
+            except SweepError as error:
+                if self._failed is None or error.status < 0:  # killed: the scenario is not to blame
+                    raise
+                self._failed[name] = error
             if processes:
                 self._processes_run = False
             self._end(name, was_there=False)
@@ -112,7 +126,8 @@ class _Sweep:
             await child.end()
         if child.status != 0:
             kind = "run" if processes else "rehearsal"
-            raise SweepError(f"{folder}: the {kind} ended with {child.status}:\n{child.last_lines()}")
+            text = f"{folder}: the {kind} ended with {child.status}:\n{child.last_lines()}"
+            raise SweepError(text, child.status)
 
 
 def _cancel(everything: asyncio.Future) -> None:
