@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 from deploy.mistake import Mistake
-from wire.fields import Grid, Polyline
+from wire.fields import Graph, Grid, Polyline
 from wire.line import Line
 from wire.scenario import BatterySection, Fan, InQueue, Range, Scenario
 

@@ -16,51 +16,68 @@ from deploy.process import commit
 from wire.messages import Facts
 from wire.scenario import Scenario
 from world_server.journal import read
-from world_server.records import Commit
+from world_server.records import Commit, End
 
 RADIO = ("sent", "delivered", "out_of_range", "lost", "oversize", "bytes")
+
+
+class Fold:
+    """What a run amounts to, commit by commit."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        self._metrics = MISSIONS[scenario.mission](scenario)
+        self._radio, self._ticks, self._grants = [0] * len(RADIO), -1, 0
+        self._faults: list[dict[str, Any]] = []
+
+    def take(self, commit: Commit) -> None:
+        """Take in the next commit."""
+        self._metrics.feed(commit.facts)
+        self._ticks = commit.tick
+        self._faults += _happened(commit.facts)
+        self._grants += sum(grant.node != self._scenario.tower.id for grant in commit.grants)
+        self._radio = [total + one for total, one in zip(self._radio, commit.facts.radio, strict=True)]
+
+    def write(
+        self, folder: Path, end: End | None, name: str, wall_s: float, processes: list[dict]
+    ) -> dict[str, Any]:
+        """Write all that is folded to `folder`, `summary.json` last: where it is, all is. Returns it."""
+        scenario, ticks = self._scenario, self._ticks
+        asked = {"grants": self._grants, "robot_ticks": (ticks + 1) * len(scenario.robot_ids)}
+        faults = self._faults + [_refused(event) for event in events(folder) if _is_refused(event)]
+        summary = {
+            "run": folder.name,
+            "scenario": name,
+            "mission": scenario.mission,
+            "seed": scenario.seed,
+            "commit": commit(),
+            "ticks": max(ticks, 0),
+            "sim_s": max(ticks, 0) * scenario.tick_s,
+            "wall_s": round(wall_s, 3),
+            "completed": end is not None and end.completed,
+            "run_hash": "" if end is None else end.run_hash,
+            "processes": processes,
+            "faults": sorted(faults, key=lambda fault: fault["tick"]),
+            "radio": dict(zip(RADIO, self._radio, strict=True)),
+            "metrics": self._metrics.summary() | asked,
+        }
+        if tables := self._metrics.tables():
+            np.savez_compressed(folder / f"{scenario.mission}.npz", **tables)
+        _write_whole(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
+        return summary
 
 
 def summarise(
     folder: Path, scenario: Scenario, name: str, wall_s: float, processes: list[dict]
 ) -> dict[str, Any]:
-    """Fold the journal and the event log of a run, write `summary.json`, and return it.
-
-    It is written last: where it is, all is.
-    """
-    metrics, radio, ticks = MISSIONS[scenario.mission](scenario), [0] * len(RADIO), -1
-    faults, end, grants = [], None, 0
+    """Fold the journal and the event log of a run, write `summary.json`, and return it."""
+    fold, end = Fold(scenario), None
     for record in read(folder / "journal"):
         if isinstance(record, Commit):
-            metrics.feed(record.facts)
-            ticks, faults = record.tick, faults + _happened(record.facts)
-            grants += sum(grant.node != scenario.tower.id for grant in record.grants)
-            radio = [total + one for total, one in zip(radio, record.facts.radio, strict=True)]
-        else:
+            fold.take(record)
+        elif isinstance(record, End):
             end = record
-    faults += [_refused(event) for event in events(folder) if _is_refused(event)]
-    asked = {"grants": grants, "robot_ticks": (ticks + 1) * len(scenario.robot_ids)}
-    completed = bool(getattr(end, "completed", False))
-    summary = {
-        "run": folder.name,
-        "scenario": name,
-        "mission": scenario.mission,
-        "seed": scenario.seed,
-        "commit": commit(),
-        "ticks": max(ticks, 0),
-        "sim_s": max(ticks, 0) * scenario.tick_s,
-        "wall_s": round(wall_s, 3),
-        "completed": completed,
-        "run_hash": getattr(end, "run_hash", ""),
-        "processes": processes,
-        "faults": sorted(faults, key=lambda fault: fault["tick"]),
-        "radio": dict(zip(RADIO, radio, strict=True)),
-        "metrics": metrics.summary() | asked,
-    }
-    if tables := metrics.tables():
-        np.savez_compressed(folder / f"{scenario.mission}.npz", **tables)
-    _write_whole(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
-    return summary
+    return fold.write(folder, end, name, wall_s, processes)
 
 
 def _write_whole(path: Path, text: str) -> None:

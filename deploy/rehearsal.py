@@ -6,17 +6,19 @@ Minds share nothing: they meet only through encoded bytes, exactly as processes 
 import os
 import traceback
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 
 from deploy.run_folder import LEDGER
 from swarm_agent.node import Mind, percepts_of
 from tower.ledger import Ledger
 from wire import codec
-from wire.messages import Action, Event, Facts, Fault, Percept
+from wire.messages import Action, Event, Fault, Percept
 from wire.scenario import Scenario
 from world_server.clock import Befallen, Clock
 from world_server.events import EventLog
 from world_server.journal import Journal, memories
+from world_server.records import Commit, End
 from world_server.world import World
 
 
@@ -24,7 +26,7 @@ class Rehearsal:
     """The swarm as minds in this process. A fault is carried out on a mind: dropped, skipped, made anew."""
 
     def __init__(
-        self, scenario: Scenario, folder: Path, tell: Callable[[Event], None], show: Callable[[Facts], None]
+        self, scenario: Scenario, folder: Path, tell: Callable[[Event], None], show: Callable[[Commit], None]
     ) -> None:
         self.finishing = False
         self.tell = tell
@@ -79,24 +81,28 @@ class Rehearsal:
         return Mind("swarm_agent.behaviours")
 
 
+Watch = Callable[[Commit, Rehearsal], None]
+
+
 def rehearse(
     scenario: Scenario,
     toml: str,
     folder: Path,
     last_tick: int,
-    watch: Callable[[Facts, Rehearsal], None] = lambda facts, swarm: None,
-) -> tuple[int, bool, str]:
-    """Run a scenario in this process; journal and events go to `folder`.
+    watch: Watch = lambda commit, swarm: None,
+    journalled: bool = True,
+) -> End:
+    """Run a scenario in this process; events go to `folder`, and the journal if there is to be one.
 
-    `watch` sees the facts of every tick and may set the swarm's `finishing`. Returns the last tick, whether
-    the mission was completed, and the run's hash.
+    `watch` sees every commit and may set the swarm's `finishing`. Memories can be kept only with a journal.
     """
     world = World(scenario)
-    with (folder / "journal").open("wb") as stream, (folder / "events.jsonl").open("w") as lines:
+    with ExitStack() as stack:
+        stream = stack.enter_context((folder / "journal").open("wb")) if journalled else None
+        events = EventLog(stack.enter_context((folder / "events.jsonl").open("w")), scenario.tick_s)
         journal = Journal(stream, scenario, toml, world.poses().tobytes())
-        events = EventLog(lines, scenario.tick_s)
-        swarm = Rehearsal(scenario, folder, events.write, lambda facts: watch(facts, swarm))
+        swarm = Rehearsal(scenario, folder, events.write, lambda commit: watch(commit, swarm))
         tick, completed = Clock(world, swarm, journal, last_tick).run()
         swarm.close()
         events.write(Event(tick, "end", "", f"run hash {journal.run_hash}", {"completed": completed}))
-        return tick, completed, journal.run_hash
+        return End(tick, completed, journal.run_hash)

@@ -16,9 +16,9 @@ from deploy.report import ProgressLine, console_for, print_result
 from deploy.run_folder import find_folder, new_folder
 from deploy.scenario_file import ScenarioError, find_scenario, load_scenario, to_toml
 from deploy.viewer import choose_mode
-from wire.messages import Facts
 from wire.scenario import Scenario
 from world_server.journal import commits
+from world_server.records import Commit
 
 INTERRUPTED = 130
 
@@ -92,8 +92,8 @@ def _last_tick(scenario: Scenario, until_s: float | None) -> int:
 def _rehearse(scenario: Scenario, folder: Path, last_tick: int, progress: ProgressLine) -> list[dict]:
     stop = on_interrupt_now()
 
-    def watch(facts: Facts, swarm: Rehearsal) -> None:
-        progress.show(facts)
+    def watch(commit: Commit, swarm: Rehearsal) -> None:
+        progress.show(commit.facts)
         swarm.finishing = stop()
 
     rehearse(scenario, to_toml(scenario), folder, last_tick, watch)

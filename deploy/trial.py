@@ -1,8 +1,8 @@
 """One trial of a sweep in a process of its own: `python -m deploy.trial FOLDER --parent-pid P`.
 
 The folder holds `scenario.toml`; all else is written beside it. With `--processes` the trial is a run of real
-processes, else a rehearsal; the run's hash is the same. With `--lean` a rehearsal's journal is deleted when
-it has been folded: it is large, and the same scenario gives it again.
+processes, else a rehearsal; the run's hash is the same. With `--lean` a rehearsal leaves no journal: it is
+large, and the same scenario gives it again.
 """
 
 import argparse
@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from deploy.launcher import Launcher, LaunchError
-from deploy.recorder import summarise
+from deploy.recorder import Fold, summarise
 from deploy.rehearsal import rehearse
 from deploy.run_folder import RunError
 from deploy.scenario_file import load_scenario
@@ -36,17 +36,22 @@ def main() -> None:
     sys.path.insert(0, os.getcwd())  # behaviours of third parties, here as in the node processes
     folder: Path = given.folder
     scenario, began = load_scenario(folder / "scenario.toml"), time.monotonic()
-    processes: list[dict[str, Any]] = []
     if given.processes:
         processes = _launch(scenario, folder)
+        summarise(folder, scenario, folder.name, time.monotonic() - began, processes)
     else:
+        fold, journalled = Fold(scenario), not given.lean or _keeps_memory(scenario)
         toml = (folder / "scenario.toml").read_text("utf-8")
-        rehearse(scenario, toml, folder, scenario.last_tick)
-    summarise(folder, scenario, folder.name, time.monotonic() - began, processes)
-    if given.lean and not given.processes:
-        (folder / "journal").unlink()
+        watch = lambda commit, swarm: fold.take(commit)  # noqa: E731
+        end = rehearse(scenario, toml, folder, scenario.last_tick, watch, journalled)
+        fold.write(folder, end, folder.name, time.monotonic() - began, [])
     sys.stdout.flush()
     os._exit(0)  # Zenoh's threads may outlive a closed session
+
+
+def _keeps_memory(scenario: Scenario) -> bool:
+    """Must a mind that restarts live through what the journal says?"""
+    return any(fault.verb == "restart" and fault.memory == "kept" for fault in scenario.faults)
 
 
 def _launch(scenario: Scenario, folder: Path) -> list[dict[str, Any]]:

@@ -179,7 +179,9 @@ def course(given: Scenario, folder: Path, last_tick: int | None = None) -> Cours
     folder.mkdir(parents=True, exist_ok=True)
     facts: list[Facts] = []
     last = given.last_tick if last_tick is None else last_tick
-    _, _, run_hash = rehearse(given, to_toml(given), folder, last, lambda one, swarm: facts.append(one))
+    run_hash = rehearse(
+        given, to_toml(given), folder, last, lambda one, swarm: facts.append(one.facts)
+    ).run_hash
     return Course(facts, run_hash, folder / "journal")
 
 

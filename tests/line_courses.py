@@ -28,6 +28,7 @@ from world_server.clock import Befallen, Clock
 from world_server.events import EventLog
 from world_server.journal import Journal, commits
 from world_server.nodes import FLAT
+from world_server.records import Commit
 from world_server.world import World
 
 NOISE = 1.1
@@ -165,10 +166,10 @@ def rehearsed_line(
     facts: list[Facts] = []
     doing: Doing = {}
 
-    def watch(one: Facts, swarm: Rehearsal) -> None:
-        facts.append(one)
-        listen(doing, one, given.tower.id)
-        swarm.finishing = until(one, doing)
+    def watch(one: Commit, swarm: Rehearsal) -> None:
+        facts.append(one.facts)
+        listen(doing, one.facts, given.tower.id)
+        swarm.finishing = until(one.facts, doing)
 
     rehearse(given, to_toml(given), folder, given.last_tick, watch)
     return Run(given, folder, facts)

@@ -60,8 +60,11 @@ PROCESS_CALLS = {
 
 PURE = (
     "swarm_agent/behaviours/*.py",
+    "swarm_agent/company.py",
     "swarm_agent/knowledge.py",
     "swarm_agent/line_radio.py",
+    "swarm_agent/relay_posts.py",
+    "swarm_agent/ways.py",
     "wire/line.py",
     "swarm_agent/surveillance_graph.py",
     "swarm_agent/geometry.py",

@@ -14,6 +14,8 @@ from hypothesis import strategies as st
 import swarm_agent.behaviours
 import tower
 from swarm_agent.behaviour import Behaviour, find_behaviour, settled_parameters
+from swarm_agent.behaviours.dtag import Arrival
+from swarm_agent.behaviours.dtap import Request
 from swarm_agent.behaviours.expected_reactive import Decision
 from swarm_agent.knowledge import Bulletin
 from swarm_agent.line_radio import Envelope
@@ -58,13 +60,14 @@ def first(package: str, name: str, generator_key: tuple[int, ...] = (1, 2)) -> P
 
 @cache
 def sound_frames() -> list[bytes]:
-    """Frames that our behaviours really say: bulletins without own words, with a duty, with a decision."""
+    """Frames that our behaviours really say: without own words, with a duty, a decision, a request."""
     news = table(s1=4, s30=2)
     return [
         codec.encode(from_tower(3, news).message),
         codec.encode(from_robot("r3", 3, 5.0, 1, 2, 3, news).message),
         *(codec.encode(report("r3", tick, "patrol", 1 + tick % 6).message) for tick in (3, 7)),
         codec.encode(Bulletin(news, (), 3, Decision(1, 8, 20.0))),
+        codec.encode(Bulletin(news, (), 3, (Request(8, 500.0), Arrival(bytes(4 * 36), 8)))),
     ]
 
 
@@ -77,7 +80,7 @@ def a_life(package: str, name: str, ticks: int = 25, seed: int = 0) -> list[Perc
         heard = [
             Frame(f"r{number}", tick - 1, payload)
             for number, payload in zip(
-                (1, 3, 4, 5, 6, 7), [*sound_frames(), draw.bytes(int(draw.integers(40)))], strict=True
+                (1, 3, 4, 5, 6, 7, 8), [*sound_frames(), draw.bytes(int(draw.integers(40)))], strict=True
             )
             if draw.random() < 0.7
         ]

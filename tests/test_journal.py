@@ -149,8 +149,8 @@ def test_a_run_that_is_finished_early_ends_at_a_tick_boundary(tmp_path):
         def boundary(self, tick):
             return ()
 
-        def show(self, facts):
-            self.finishing = facts.tick == 7
+        def show(self, commit):
+            self.finishing = commit.tick == 7
 
     journal = Journal(stream, plan, "", b"")
     assert Clock(World(plan), Finishing(), journal, 40).run() == (7, False)

@@ -69,7 +69,7 @@ def test_an_operator_is_answered_and_hears_nothing(siege: Siege) -> None:
 def test_the_attacked_run_ends_with_the_hash_of_a_run_without_rogues(siege: Siege, tmp_path: Path) -> None:
     *_, end = read(siege.folder / "journal")
     scenario = load_scenario(siege.folder / "scenario.toml")
-    _, _, undisturbed = rehearse(scenario, to_toml(scenario), tmp_path, TICKS)
+    undisturbed = rehearse(scenario, to_toml(scenario), tmp_path, TICKS).run_hash
     assert (end.tick, end.completed, end.run_hash) == (TICKS, True, undisturbed)
 
 

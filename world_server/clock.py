@@ -4,9 +4,10 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple, Protocol
 
-from wire.messages import Action, Event, Facts, Fault, Percept
+from wire.messages import Action, Event, Fault, Percept
 from wire.scenario import Scenario
 from world_server.journal import Journal
+from world_server.records import Commit
 from world_server.world import World
 
 
@@ -50,8 +51,8 @@ class Swarm(Protocol):
     def tell(self, event: Event) -> None:
         """Tell observers of an event."""
 
-    def show(self, facts: Facts) -> None:
-        """Show observers the facts of a tick."""
+    def show(self, commit: Commit) -> None:
+        """Show observers a tick."""
 
 
 def planned_faults(scenario: Scenario) -> list[Fault]:
@@ -101,7 +102,7 @@ class Clock:
                 self._world.apply(faults[-1])
         commit = self._world.commit(tick, percepts, actions, tuple(faults))
         self._journal.append(commit)
-        self._swarm.show(commit.facts)
+        self._swarm.show(commit)
         for node, frames in self._world.oversize.items():
             self._tell_oversize(tick, node, frames)
 

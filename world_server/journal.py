@@ -32,9 +32,11 @@ class JournalError(Exception):
 
 
 class Journal:
-    """The writing side. `stream` is a binary file opened for appending."""
+    """The writing side. `stream` is a binary file opened for appending; None: there is only the chain."""
 
-    def __init__(self, stream: BinaryIO, scenario: Scenario, scenario_toml: str, first_poses: bytes) -> None:
+    def __init__(
+        self, stream: BinaryIO | None, scenario: Scenario, scenario_toml: str, first_poses: bytes
+    ) -> None:
         self._stream = stream
         self._compressor = zstandard.ZstdCompressor(level=1).compressobj()
         self._chain = _origin(scenario.seed, scenario.node_ids)
@@ -54,10 +56,14 @@ class Journal:
     def close(self, tick: int, completed: bool) -> None:
         """Write the end."""
         self._write(2, codec.encode(End(tick, completed, self.run_hash)))
+        if self._stream is None:
+            return
         self._stream.write(self._compressor.flush())
         self._stream.flush()
 
     def _write(self, kind: int, data: bytes) -> None:
+        if self._stream is None:
+            return
         seal = self._chain if kind == _COMMIT else _link(self._chain, data)
         record = _FRAME.pack(kind, len(data), seal) + data
         compressed = self._compressor.compress(record)

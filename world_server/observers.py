@@ -8,6 +8,7 @@ from typing import Any
 from wire import channels, codec
 from wire.link import Link
 from wire.messages import Event, Facts, TruthBlock
+from world_server.records import Commit
 
 SHOW_EVERY_S = 0.1
 SHOW_NODE_TICKS = 10_000  # a block must stay well below what a codec reads
@@ -45,9 +46,9 @@ class Observers:
         if str(count).strip("0") == "1":
             self.tell(Event(tick, kind, node, text, data | {"count": count}))
 
-    def show(self, facts: Facts) -> None:
-        """Collect facts and give them to observers a few times a second."""
-        self._shown.append(facts)
+    def show(self, commit: Commit) -> None:
+        """Collect the facts of ticks and give them to observers a few times a second."""
+        self._shown.append(commit.facts)
         if time.monotonic() - self._shown_at > SHOW_EVERY_S or len(self._shown) >= self._at_most:
             self.flush()
 
