@@ -66,7 +66,7 @@ class Campaign:
                     console.print(f"{done} of {total} trials are there already", highlight=False)
 
             try:
-                return sweep(self._jobs, self._folder, show, None, self._as_processes, self._lean, ended)
+                return sweep(self._jobs, self._folder, show, self._as_processes, self._lean, ended)
             except KeyboardInterrupt:
                 line = f"interrupted; the same command goes on with what is missing in {self._folder}"
                 print(line, file=sys.stderr)

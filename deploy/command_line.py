@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NoReturn
 
-from deploy import reproduce
+from deploy import reproduce, tune
 from deploy.compare import compare
 from deploy.operate import request
 from deploy.recorder import deaths
@@ -71,6 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     bench.set_defaults(do=_bench)
     positive = _number(float, "a number > 0", lambda value: 0 < value < math.inf)
     reproduce.add_parser(commands, some, positive)
+    tune.add_parser(commands, _number)
     scenarios = commands.add_parser("scenarios", help="the scenarios that come with Picket")
     scenarios.set_defaults(do=_scenarios)
     return parser

@@ -10,7 +10,7 @@ from typing import Any
 from deploy.mistake import Mistake
 from wire.fields import Graph, Grid, Polyline
 from wire.line import Line
-from wire.scenario import BatterySection, Fan, InQueue, Range, Scenario
+from wire.scenario import BatterySection, Fan, InQueue, Range, Robots, Scenario
 
 SHARPEST_TURN_DEG = 120.0
 FARTHEST_M = 1e6
@@ -24,11 +24,12 @@ LOW_V, MARGIN_V, READY_V, SILENCE_S, DISPATCH_S = 8.5, 0.1, 8.7, 300.0, 10.0  # 
 
 def check_mission(scenario: Scenario) -> None:
     """Raises Mistake where a part belongs to another mission."""
-    kinds = {"area": (Grid, Graph), "line": (Polyline,)}
-    if not isinstance(scenario.field, kinds[scenario.mission]):
-        right, got = (one.__struct_config__.tag for one in (kinds[scenario.mission], type(scenario.field)))
+    kinds = {"area": (Grid, Graph), "line": (Polyline,)}[scenario.mission]
+    if not isinstance(scenario.field, kinds):
+        right, got = " or ".join(map(_kind, kinds)), _kind(type(scenario.field))
         raise Mistake(f"field.kind must be {right} for mission {scenario.mission}, got {got}")
     if scenario.mission == "line":
+        _check_not_area(scenario.robots)
         return
     if isinstance(scenario.robots.start, InQueue):
         raise Mistake("robots.start.kind must be fan or poses for mission area, got queue")
@@ -37,6 +38,17 @@ def check_mission(scenario: Scenario) -> None:
     for number, fault in enumerate(scenario.faults):
         if fault.place == "queue":
             raise Mistake(f"faults[{number}].place must be here for mission area, got queue")
+
+
+def _check_not_area(robots: Robots) -> None:
+    if isinstance(robots.start, tuple):
+        raise Mistake("robots.start must be queue, fan or poses for mission line, got a list of sites")
+    if robots.shared_last_visit:
+        raise Mistake("robots.shared_last_visit is for mission area only")
+
+
+def _kind(field: type) -> str:
+    return field.__struct_config__.tag
 
 
 def check_line(scenario: Scenario) -> None:

@@ -82,6 +82,10 @@ def _area_rows(table: Table, metrics: dict[str, Any]) -> None:
         table.add_column(heading, justify=justify)
     for name, label in LABELS.items():
         table.add_row(label, _number(metrics[name], 1), _number(metrics[f"normalised_{name}"], 2))
+    table.add_row("graph idleness, at events", _number(metrics["average_graph_idleness_s"], 2), "")
+    table.add_row("worst idleness, at events", _number(metrics["worst_idleness_at_events_s"], 2), "")
+    last = [_number(metrics[f"instantaneous_{name}_idleness_s"], 2) for name in ("graph", "worst")]
+    table.add_row("idleness at the end, graph / worst", " / ".join(last), "")
     intervals = [_number(metrics[f"node_interval_{name}_s"], 1) for name in ("mean", "max")]
     table.add_row("node interval, mean / max", " / ".join(intervals), "")
 

@@ -1,14 +1,13 @@
 """What the types of a scenario cannot say: that its parts fit together."""
 
+from deploy.field_checks import check_field, check_start
 from deploy.line_checks import check_line, check_mission
 from deploy.mistake import Mistake
 from wire.channels import number_of
-from wire.fields import Grid
 from wire.messages import BEFALLS
 from wire.scenario import Latency, Partition, Poses, Scenario
 
 MAX_TICKS = 2**32 - 1  # times of visits travel as uint32
-MAX_SITES = 2**16  # and their sites as uint16
 
 AFTER = {"kill": "dead", "restart": "alive", "freeze": "frozen", "thaw": "alive"}
 
@@ -20,13 +19,18 @@ def check(scenario: Scenario) -> None:
     _check_sizes(scenario)
     if scenario.mission == "line":
         check_line(scenario)
+    else:
+        check_field(scenario.field)
+        check_start(scenario)
     _check_radio(scenario)
     _check_faults(scenario)
 
 
 def _check_names(scenario: Scenario) -> None:
-    if (scenario.robots.ids is None) == (scenario.robots.count is None):
-        raise Mistake("robots needs either count or ids")
+    robots = scenario.robots
+    counted = robots.count is not None or isinstance(robots.start, tuple)
+    if robots.ids is not None and robots.count is not None or robots.ids is None and not counted:
+        raise Mistake("robots needs either count or ids, or a list of sites as start")
     numbers: dict[int, str] = {}
     for node in (scenario.tower.id, *(scenario.robots.ids or ())):
         number = number_of(node)
@@ -46,10 +50,6 @@ def _check_sizes(scenario: Scenario) -> None:
         raise Mistake(f"duration_s must be <= {MAX_TICKS} ticks of {scenario.tick_s} s, got {duration_s}")
     if scenario.metrics_from_s > duration_s:
         raise Mistake(f"metrics_from_s must be <= duration_s ({duration_s}), got {scenario.metrics_from_s}")
-    if isinstance(scenario.field, Grid):
-        sites = scenario.field.columns * scenario.field.rows
-        if sites > MAX_SITES:
-            raise Mistake(f"field must have at most {MAX_SITES} sites, got {sites}")
     robots = len(scenario.robot_ids)
     if isinstance(start, Poses) and len(start.poses) != robots:
         got = len(start.poses)

@@ -2,21 +2,23 @@
 
 import difflib
 import math
-import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import msgspec
 import tomli_w
 
+from deploy.explain import explain
+from deploy.field_file import whole
 from deploy.mistake import Mistake
 from deploy.scenario_checks import check
 from swarm_agent.behaviour import BehaviourError, find_behaviour, settled_parameters
 from wire.scenario import Scenario
 
-WORDS = {"float": "a number", "int": "a whole number", "str": "text", "array": "a list", "object": "a table"}
+SHORT = {"behaviour": "robots.behaviour"}
+"""Settings that are given so often that their place need not be named."""
 SHIPPED = Path(__file__).parent / "scenarios"
 
 
@@ -58,6 +60,7 @@ def load_scenario(path: Path, settings: list[str] = [], **overrides: Any) -> Sce
     Raises ScenarioError.
     """
     document = _read(path)
+    _look_beside(document, path)
     for setting in settings:
         _apply(document, setting)
     document.update(overrides)
@@ -67,8 +70,9 @@ def load_scenario(path: Path, settings: list[str] = [], **overrides: Any) -> Sce
     try:
         scenario = msgspec.convert(document, Scenario)
     except msgspec.ValidationError as error:
-        raise ScenarioError(f"{source}: {_explain(str(error), document)}") from None
+        raise ScenarioError(f"{source}: {explain(str(error), document, Scenario)}") from None
     try:
+        scenario = msgspec.structs.replace(scenario, field=whole(scenario.field))
         check(scenario)
     except Mistake as mistake:
         raise ScenarioError(f"{source}: {mistake}") from None
@@ -93,9 +97,17 @@ def _read(path: Path) -> dict[str, Any]:
         raise ScenarioError(f"{path}: cannot be read: {error.strerror}") from None
 
 
+def _look_beside(document: dict[str, Any], path: Path) -> None:
+    """The file of a graph that a scenario names lies beside the scenario."""
+    field = document.get("field")
+    if isinstance(field, dict) and isinstance(field.get("graph"), str) and field["graph"]:
+        field["graph"] = str(path.parent / field["graph"])
+
+
 def _apply(document: dict[str, Any], setting: str) -> None:
     """Carry out one `key.path=value`; the value is TOML, or else a plain string."""
     path, equals, text = setting.partition("=")
+    path = SHORT.get(path, path)
     if not equals or not path:
         raise ScenarioError(f"--set {setting}: must be key.path=value")
     try:
@@ -113,80 +125,6 @@ def _apply(document: dict[str, Any], setting: str) -> None:
             place[last] = value
     except (ValueError, IndexError, AttributeError, TypeError):
         raise ScenarioError(f"--set {setting}: there is no such place in the scenario") from None
-
-
-def _explain(error: str, document: Any, kind: Any = Scenario) -> str:
-    """msgspec's complaint as: field, what would be right, value."""
-    what, _, place = error.partition(" - at `$")
-    steps = re.findall(r"\.([^.\[\]`]+)|\[(\d+)\]", place)
-    names = [name or int(index) for name, index in steps]
-    field = "".join(f"[{one}]" if isinstance(one, int) else f".{one}" for one in names).lstrip(".")
-    unknown = re.search(r"unknown field `(.+)`", what, re.DOTALL)
-    if unknown:
-        return _unknown(unknown.group(1), field, kind, names)
-    missing = re.search(r"missing required field `(.+)`", what)
-    if missing:
-        return f"{'.'.join(filter(None, (field, missing.group(1))))} is missing"
-    value = document
-    for one in names:
-        value = value[one]
-    choices = _choices_at(kind, names)
-    if what.startswith("Invalid") and choices:
-        what = f"must be {' or '.join(choices)}"
-    words = re.sub("`([a-z |]+)`", _in_words, re.sub(", got `.*`$", "", what)).replace("Expected", "must be")
-    return f"{field} {words}, got {value!r}".replace("`", "").lstrip()
-
-
-def _in_words(types: re.Match) -> str:
-    """msgspec's names of types as an operator calls them."""
-    return " or ".join(WORDS.get(one, one) for one in types.group(1).split(" | ") if one != "null")
-
-
-def _unknown(name: str, field: str, kind: Any, names: list[str | int]) -> str:
-    known = _fields_at(kind, names)
-    near = difflib.get_close_matches(name, known, 1)
-    hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}" if known else ""
-    return f"{'.'.join(filter(None, (field, name)))} is not a field; {hint}".rstrip("; ")
-
-
-def _fields_at(kind: Any, names: list[str | int]) -> list[str]:
-    """Names of the fields that may stand at a place of the schema; all variants of a union together."""
-    return [field for one in _kinds_at(kind, names) if _is_struct(one) for field in one.__struct_fields__]
-
-
-def _choices_at(kind: Any, names: list[str | int]) -> list[str]:
-    """The words that may stand at a place of the schema, where only some may."""
-    tagged = [one.__struct_config__ for one in _kinds_at(kind, names[:-1]) if _is_struct(one)]
-    tags = [one.tag for one in tagged if names and one.tag_field == names[-1]]
-    return tags or [one for one in _kinds_at(kind, names) if isinstance(one, str)]
-
-
-def _kinds_at(kind: Any, names: list[str | int]) -> list[Any]:
-    """The types, or the words, that may stand at a place of the schema."""
-    kinds = [kind]
-    for name in names:
-        found = [_inside(one, name) for one in _variants(kinds)]
-        kinds = [one for one in found if one is not None]
-    return _variants(kinds)
-
-
-def _is_struct(kind: Any) -> bool:
-    return isinstance(kind, type) and issubclass(kind, msgspec.Struct)
-
-
-def _variants(kinds: list[Any]) -> list[Any]:
-    flat = []
-    for kind in kinds:
-        inner = [one for one in get_args(kind) if one is not Ellipsis]
-        flat += [kind] if _is_struct(kind) or not inner else _variants(inner)
-    return flat
-
-
-def _inside(kind: Any, name: str | int) -> Any:
-    if isinstance(name, int) or not _is_struct(kind):
-        return kind
-    hints = {field.name: field.type for field in msgspec.structs.fields(kind)}
-    return hints.get(name)
 
 
 def _endless(value: Any, place: str = "") -> Iterator[tuple[str, float]]:
@@ -217,7 +155,7 @@ def _with_parameters(section: Any, package: str, team_size: int, place: str) -> 
         raise ScenarioError(f"{place}.behaviour: {error}") from None
     except msgspec.ValidationError as error:
         kind = behaviour.Parameters
-        raise ScenarioError(f"{place}.parameters.{_explain(str(error), section.parameters, kind)}") from None
+        raise ScenarioError(f"{place}.parameters.{explain(str(error), section.parameters, kind)}") from None
     except ValueError as error:
         raise ScenarioError(f"{place}.parameters: {error}") from None
     return msgspec.structs.replace(section, parameters=_without_none(msgspec.to_builtins(parameters)))

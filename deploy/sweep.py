@@ -26,10 +26,10 @@ def sweep(
     jobs: Mapping[str, Scenario],
     parent: Path,
     show: Callable[[int, int], None],
-    failed: dict[str, SweepError] | None = None,
     as_processes: Collection[str] = (),
     lean: bool = False,
     ended: Callable[[str, bool], None] = lambda name, was_there: None,
+    failed: dict[str, SweepError] | None = None,
 ) -> dict[str, dict[str, Any]]:
     """Carry out every job in a folder of its own below `parent`; returns the summaries by name.
 
@@ -39,7 +39,7 @@ def sweep(
     a summary is taken as it is. Raises SweepError, and KeyboardInterrupt on Ctrl-C. Given `failed`, a trial
     that ends by itself with an error is put there, has no summary, and the others go on.
     """
-    return asyncio.run(_Sweep(jobs, parent, show, failed, as_processes, lean, ended).run())
+    return asyncio.run(_Sweep(jobs, parent, show, as_processes, lean, ended, failed).run())
 
 
 class _Sweep:
@@ -50,10 +50,10 @@ class _Sweep:
         jobs: Mapping[str, Scenario],
         parent: Path,
         show: Callable[[int, int], None],
-        failed: dict[str, SweepError] | None,
         as_processes: Collection[str],
         lean: bool,
         ended: Callable[[str, bool], None],
+        failed: dict[str, SweepError] | None,
     ) -> None:
         self._jobs, self._parent, self._as_processes, self._lean = jobs, parent, set(as_processes), lean
         self._show, self._ended, self._failed = show, ended, failed

@@ -58,6 +58,8 @@ class Company:
         self._roll[self._node] = tick
         for sender, sent_tick, bulletin in heard:
             word = bulletin.message
+            if sent_tick < tick - self._memory_ticks:
+                continue  # found after a freeze
             if sender == self._tower:
                 self._said[sender] = (sent_tick, None)
                 self._offer(tick, sent_tick, 1)

@@ -74,6 +74,10 @@ class AssumedIdleness:
         """Take over every entry that is strictly newer than ours (lines 13-19)."""
         merge_news(self.visited_tick, *news)
 
+    def replace(self, visited_tick: bytes) -> None:
+        """Know what somebody knows better: uint32, (sites,)."""
+        self.visited_tick[:] = np.frombuffer(visited_tick, dtype="<u4")
+
     def newest(self, items: int, among: np.ndarray | None = None) -> News:
         """The `items` entries with the largest times (line 10), lower site first among equals.
 

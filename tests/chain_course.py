@@ -43,7 +43,7 @@ def newborn(node: str = "r3", field: Any = None, **parameters: Any) -> ChainConn
 
 
 class Course:
-    """Robots r2, r3, ... that go straight to where they want, and a tower at the origin that says its table."""
+    """Robots r2, r3, ... that go straight from site to site, and a tower at the origin."""
 
     def __init__(self, field: Any, robots: int, range_m: float, **parameters: Any) -> None:
         self.range_m, self.tick = range_m, 0

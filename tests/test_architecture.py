@@ -79,13 +79,14 @@ PURE = (
     "deploy/metrics/*.py",
     "deploy/graph_file.py",
     "deploy/graph_paths.py",
+    "deploy/pattern_search.py",
     "deploy/scene.py",
     "deploy/scenes/*.py",
     *(
         f"world_server/{name}.py"
         for name in """
         world clock area polyline motion path_following traffic radio cells passes sensing nodes records
-        chance battery floorplan
+        chance battery floorplan edges
         """.split()
     ),
 )

@@ -31,7 +31,7 @@ def measured(visits: dict[int, list[int]], last_tick: int, **fields) -> dict[str
 
 def intervals(told: dict[str, float | int | None]) -> list[float | int | None]:
     """Mean, worst mean, largest, and their number."""
-    return [told[name] for name in NAMES[3:]]
+    return [told[name] for name in NAMES[4:]]
 
 
 def test_only_intervals_between_two_visits_count():
@@ -79,6 +79,9 @@ def test_idleness_at_events_is_that_before_the_visits():
     assert told["instantaneous_graph_idleness_s"] == (6 + 10) / 2
     assert told["instantaneous_worst_idleness_s"] == 10
     assert told["average_graph_idleness_s"] == (4 * 4 + (6 + 10) / 2 * 6) / 10
+    assert told["worst_idleness_at_events_s"] == 10
+    assert measured({4: [0], 10: [1]}, 14)["worst_idleness_at_events_s"] == 10
+    assert measured({4: [0], 10: [1]}, 14, metrics_from_s=11.0)["worst_idleness_at_events_s"] == 10
 
 
 def test_the_end_of_a_run_is_an_event():
@@ -146,7 +149,7 @@ def slowly(visits: dict[int, list[int]], sites: int, from_tick: int, last_tick: 
     def idle(site: int, tick: int) -> int:
         return tick - max([0, *(one for one, where in visits.items() if site in where and one < tick)])
 
-    events = sorted({one for one in visits if one > from_tick} | {last_tick})
+    events = sorted({one for one in visits if one >= from_tick} | {last_tick})
     began = [from_tick, *events]
     at_end = [idle(site, last_tick) for site in range(sites)]
     areas = [
@@ -165,6 +168,7 @@ def slowly(visits: dict[int, list[int]], sites: int, from_tick: int, last_tick: 
         statistics.fmean(at_end),
         sum(areas) / (last_tick - from_tick) if last_tick > from_tick else None,
         max(at_end),
+        max(idle(site, event) for site in range(sites) for event in events),
         statistics.fmean(means) if means else None,
         max(means, default=None),
         max((one for some in gaps.values() for one in some), default=None),

@@ -204,7 +204,7 @@ def test_a_mistake_is_one_clear_line(changes, said):
     [
         (
             {"field": {"kind": "polyline", "points_m": [[0, 0], [9, 0]], "segments": 3}},
-            "field.kind must be grid for mission area, got polyline",
+            "field.kind must be grid or graph for mission area, got polyline",
         ),
         (
             {"robots__start": {"kind": "queue"}},

@@ -1,9 +1,10 @@
 """The simple rules, decision by decision, and what they do to a field."""
 
+import msgspec
 import numpy as np
 import pytest
 
-from swarm_agent.behaviour import Heard, Parameters
+from swarm_agent.behaviour import Heard
 from swarm_agent.behaviours.conscientious_reactive import ConscientiousReactive
 from swarm_agent.behaviours.gbs import Arrival, Gbs
 from swarm_agent.behaviours.heuristic_conscientious_reactive import HeuristicConscientiousReactive
@@ -17,10 +18,16 @@ FIELD = Grid(3, 3, 30.0)
 CENTRE = 4  # of nine cells; its neighbours are all others
 
 
+def newborn(kind, seed=1, field=FIELD, **parameters):
+    """A robot that knows nothing."""
+    given = kind.Parameters(**parameters)
+    return kind(given, configuration(field=field), np.random.Generator(np.random.Philox(seed)))
+
+
 def robot(kind, seed=1, field=FIELD):
-    """A robot that stands on the centre and has just visited it at tick 0."""
-    one = kind(Parameters(), configuration(field=field), np.random.Generator(np.random.Philox(seed)))
-    one.step(percept(0, 45.0, 45.0), [])
+    """A robot that comes to the centre from beside it."""
+    one = newborn(kind, seed, field)
+    one.step(percept(0, 45.0, 49.0), [])
     assert one.target == CENTRE
     return one
 
@@ -56,9 +63,7 @@ def test_heuristic_conscientious_reactive_weighs_the_way():
 
 def test_at_the_beginning_all_idleness_is_zero_and_only_the_way_counts():
     """Source: patrolling_sim, HCR: the second term is 0 where the greatest idleness is."""
-    one = HeuristicConscientiousReactive(
-        Parameters(), configuration(field=FIELD), np.random.Generator(np.random.Philox(1))
-    )
+    one = newborn(HeuristicConscientiousReactive)
     worth = one.worth(np.arange(2), np.zeros(2), np.array([30.0, 60.0]))
     assert worth.tolist() == [0.5, 0.0]
 
@@ -69,11 +74,38 @@ def test_equal_neighbours_are_equally_likely(kind):
     assert found == {0, 1, 2, 3, 5, 6, 7, 8}
 
 
+def test_equal_neighbours_may_be_taken_in_order():
+    assert next_target(newborn(ConscientiousReactive, ties="lowest"), s0=500, s1=400, s2=400) == 3
+    assert next_target(newborn(Random, ties="lowest")) == 0
+
+
+def test_who_begins_at_a_site_goes_on_from_there_and_has_not_visited_it():
+    """Source: M2Bench: robots begin at nodes and decide at once."""
+    one = newborn(ConscientiousReactive, ties="lowest")
+    one.step(percept(5, 45.0, 45.0), [])
+    assert one.target == 0 and one.knowledge.visited_tick.max() == 0
+    beside = newborn(ConscientiousReactive, ties="lowest")
+    beside.step(percept(5, 45.0, 48.5), [])
+    assert beside.target == CENTRE
+
+
+def test_all_last_visits_stand_in_for_what_a_robot_knows_itself():
+    one = robot(ConscientiousReactive)
+    sensed = np.full(9, 900, "<u4")
+    sensed[[2, CENTRE]] = 100, 1000
+    given = percept(1000, 45.0, 45.0)
+    senses = msgspec.structs.replace(given.senses, shared_last_visit=sensed.tobytes())
+    one.knowledge.note_visit(2, 999)
+    one.step(msgspec.structs.replace(given, senses=senses), [])
+    assert one.target == 2
+    assert one.knowledge.visited_tick.tolist() == sensed.tolist()
+
+
 def talker(kind, **parameters):
-    """A robot of a rule that talks, on the centre at tick 0."""
+    """A robot of a rule that talks, and that comes to the centre."""
     given = kind.Parameters(**parameters).settled(4)
     one = kind(given, configuration(field=FIELD), np.random.Generator(np.random.Philox(1)))
-    one.step(percept(0, 45.0, 45.0), [])
+    one.step(percept(0, 45.0, 49.0), [])
     return one
 
 
@@ -127,7 +159,7 @@ def test_a_word_about_a_site_that_is_none_is_no_visit():
 
 
 def test_a_field_of_one_cell_is_visited_again_and_again():
-    one = Random(Parameters(), configuration(field=Grid(1, 1)), np.random.Generator(np.random.Philox(1)))
+    one = newborn(Random, field=Grid(1, 1))
     for tick in range(3):
         one.step(percept(tick, 15.0, 15.0), [])
     assert one.target == 0

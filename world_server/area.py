@@ -1,10 +1,17 @@
-"""Mission "area" as the world plays it: bodies pass each other freely on their way to their sites."""
+"""Mission "area" as the world plays it: bodies pass each other freely on their way to their sites.
+
+On a grid they drive straight to wherever they are sent, on a graph along its edges.
+"""
 
 from collections.abc import Sequence
 
+import numpy as np
+
+from wire.fields import Graph
 from wire.messages import Action, Pose
 from wire.scenario import Scenario
 from world_server.cells import Sites
+from world_server.edges import EdgeBody, Routes
 from world_server.motion import Body
 from world_server.nodes import ALIVE, Node
 
@@ -17,7 +24,10 @@ class Area:
 
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
-        self._sites = Sites(scenario.field)
+        field = scenario.field
+        self._sites = Sites(field)
+        self._routes = Routes(field) if isinstance(field, Graph) else None
+        self._visited_tick = np.zeros(len(field.sites_m()), dtype="<u4")
         self._nodes: Sequence[Node] = ()
 
     def body(self, name: str, pose: Pose) -> Body:
@@ -25,6 +35,8 @@ class Area:
         scenario = self._scenario
         if name == scenario.tower.id:
             return Body(pose, 0.0, 0.0)
+        if self._routes is not None:
+            return EdgeBody(pose, scenario.robots.max_speed_m_s, self._routes)
         return Body(pose, scenario.robots.max_speed_m_s, scenario.robots.max_turn_rad_s)
 
     def begin(self, nodes: Sequence[Node]) -> None:
@@ -44,13 +56,22 @@ class Area:
         """There are no batteries."""
         return b""
 
-    def visits(self) -> Visits:
+    def last_visits(self, tick: int) -> bytes:
+        """What robots sense of visits as a tick begins, as Senses have it: nothing unless it is granted."""
+        if not self._scenario.robots.shared_last_visit:
+            return b""
+        visited_tick = self._visited_tick.copy()
+        visited_tick[[site for _, site in self._complete()]] = tick
+        return visited_tick.tobytes()
+
+    def visits(self, tick: int) -> Visits:
         """The visits that are complete as the tick begins; each counts once."""
         visits = self._complete()
         if visits:
             done = {name for name, _ in visits}
             for node in self._nodes:
                 node.on_patrol = node.on_patrol and node.name not in done
+            self._visited_tick[[site for _, site in visits]] = tick
         return visits
 
     def acted(self, row: int, action: Action) -> None:

@@ -74,6 +74,7 @@ class Clock:
         self._journal = journal
         self._plan = planned_faults(world.scenario)
         self._last_tick = last_tick
+        self._longest = 2 * last_tick if world.scenario.ends_with_visit else last_tick
         self._oversize: Counter = Counter()
 
     def run(self) -> tuple[int, bool]:
@@ -81,18 +82,22 @@ class Clock:
         tick = committed = 0
         while True:
             try:
-                self._step(tick)
+                visited = self._step(tick)
             except Interrupted:
                 break
             committed = tick
-            if tick >= self._last_tick or self._swarm.finishing:
+            if self._is_over(tick, visited) or self._swarm.finishing:
                 break
             tick = self._after(tick)
         completed = committed >= self._last_tick
         self._journal.close(committed, completed)
         return committed, completed
 
-    def _step(self, tick: int) -> None:
+    def _is_over(self, tick: int, visited: bool) -> bool:
+        return tick >= self._longest or (visited and tick >= self._last_tick)
+
+    def _step(self, tick: int) -> bool:
+        """One tick. Returns whether anything was visited."""
         faults = self._boundary(tick)
         percepts = self._world.percepts(tick)
         actions = self._swarm.exchange(tick, percepts)
@@ -105,6 +110,7 @@ class Clock:
         self._swarm.show(commit)
         for node, frames in self._world.oversize.items():
             self._tell_oversize(tick, node, frames)
+        return bool(commit.facts.visits)
 
     def _tell_oversize(self, tick: int, node: str, frames: int) -> None:
         """What is too long is never silence: the 1st, 10th, 100th ... tick of a sender is an event."""
@@ -117,9 +123,9 @@ class Clock:
 
     def _after(self, tick: int) -> int:
         """The next tick at which anything happens, a planned fault and the end included."""
-        planned = self._plan[0].tick if self._plan else self._last_tick
+        planned = self._plan[0].tick if self._plan else self._longest
         coming = self._world.next_tick(tick)
-        soonest = min(self._last_tick, planned, self._last_tick if coming is None else coming)
+        soonest = min(self._longest, planned, self._longest if coming is None else coming)
         return max(tick + 1, soonest)
 
     def _boundary(self, tick: int) -> list[Fault]:

@@ -112,6 +112,9 @@ def _starts(scenario: Scenario) -> list[Pose]:
         case InQueue():
             line = Line(scenario.field, (scenario.tower.x_m, scenario.tower.y_m))
             return [Pose(*line.slot(row), 0.0) for row in range(count)]
+        case sites:
+            sites_m = scenario.field.sites_m()
+            return [Pose(*sites_m[site], 0.0) for site in sites]
 
 
 def _in_fan(seed: int, row: int, radius_m: float) -> Pose:

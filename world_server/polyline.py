@@ -76,7 +76,11 @@ class LinePatrol:
             volts[row] = charge_v
         return np.array(volts, dtype="<f4").tobytes()
 
-    def visits(self) -> Visits:
+    def last_visits(self, tick: int) -> bytes:
+        """Robots sense nothing of visits."""
+        return b""
+
+    def visits(self, tick: int) -> Visits:
         """The visits of the last tick's motion."""
         arrivals, self._arrivals = self._arrivals, []
         return tuple(arrivals)

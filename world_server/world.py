@@ -66,8 +66,11 @@ class World:
         for row, node in enumerate(self._rows):
             if (why := node.due(tick, watched.get(row))) is not None:
                 reasons[row] = why
-        in_sight = self._in_sight(list(reasons))
-        return {self.names[row]: self._percept(tick, row, why, in_sight[row]) for row, why in reasons.items()}
+        in_sight, shared = self._in_sight(list(reasons)), self._mission.last_visits(tick)
+        return {
+            self.names[row]: self._percept(tick, row, why, in_sight[row], shared)
+            for row, why in reasons.items()
+        }
 
     def commit(
         self,
@@ -78,7 +81,7 @@ class World:
     ) -> Commit:
         """Settle one tick: act, settle, talk. Who was granted and has no action died unheard."""
         answered = [name for name in percepts if name in actions]
-        visits = self._mission.visits()
+        visits = self._mission.visits(tick)
         grants = tuple([self._grant(name, percepts[name]) for name in answered])
         for name in answered:
             node, action = self.nodes[name], actions[name]
@@ -145,11 +148,20 @@ class World:
         sensor_range_m = self.scenario.robots.sensor_range_m if name != self.scenario.tower.id else 0.0
         return Node(name, self._mission.body(name, pose), sensor_range_m, self.scenario.radio.inbox_frames)
 
-    def _percept(self, tick: int, row: int, why: Why, in_sight: tuple[Sighting, ...]) -> Percept:
+    def _percept(
+        self, tick: int, row: int, why: Why, in_sight: tuple[Sighting, ...], shared: bytes
+    ) -> Percept:
         node, letters = self._rows[row], self._rows[row].heard(tick)
         body, volts = node.body, self._mission.battery_v(row)
         senses = Senses(
-            body.pose, in_sight, volts, node.refused_frames, body.arrived, body.travelled_m, node.blocked_by
+            body.pose,
+            in_sight,
+            volts,
+            node.refused_frames,
+            body.arrived,
+            body.travelled_m,
+            node.blocked_by,
+            b"" if node.name == self.scenario.tower.id else shared,
         )
         self._refs[node.name] = tuple([letter.reference for letter in letters])
         inbox = tuple([letter.frame for letter in letters])

@@ -10,12 +10,15 @@ minus the last visit of site k BEFORE the visits of that tick; all sites count a
 
     instantaneous_graph_idleness_s  = mean over k of i_k(e)
     instantaneous_worst_idleness_s  = max over k of i_k(e)
+    worst_idleness_at_events_s      = max over events, and over k, of i_k
     average_graph_idleness_s        = sum over events of (mean over k of i_k) * (time since the event before)
                                       / (e - f)
 
 So every stretch is given the idleness at its end: more than the mean over time, and the more so the rarer
-visits are. M2Bench ends at an event. That a run ends where it ends, and that the first stretch begins at f,
-is our choice; it changes nothing where a run ends with a visit and is measured from 0.
+visits are; and the worst at events is a tick more than `worst_idleness_s` of area.py where a visit ends it,
+as that is taken after visits. M2Bench ends at an event (`ends_with_visit` does so too). That a run ends where
+it ends, and that the first stretch begins at f, is our choice; it changes nothing where a run ends with a
+visit and is measured from 0.
 
 By intervals (source: the monitor of patrolling_sim, github davidbsp/patrolling_sim). An interval is the time
 between two consecutive visits of one node. The time before the first visit is none, nor is that after the
@@ -43,6 +46,7 @@ NAMES = (
     "instantaneous_graph_idleness_s",
     "average_graph_idleness_s",
     "instantaneous_worst_idleness_s",
+    "worst_idleness_at_events_s",
     "node_interval_mean_s",
     "node_interval_worst_mean_s",
     "node_interval_max_s",
@@ -57,6 +61,7 @@ class Intervals:
         self._from_tick = from_tick
         self._visited_tick = np.zeros(sites, dtype=np.int64)
         self._event_tick = from_tick
+        self._worst_ticks = 0
         self._idle_ticks = 0  # summed over sites and time, up to the last event
         self._before = (0, 0, 0)  # tick of the last visits, and sum and largest of the idleness before them
         self._visits = np.zeros(sites, dtype=np.int64)
@@ -70,6 +75,7 @@ class Intervals:
         if tick >= self._from_tick:
             self._idle_ticks += idle_ticks * (tick - self._event_tick)
             self._event_tick = tick
+            self._worst_ticks = max(self._worst_ticks, worst_ticks)
             for site in visited:
                 self._close(tick, site)
         self._visited_tick[list(visited)] = tick
@@ -89,6 +95,7 @@ class Intervals:
             idle_ticks / sites * tick_s,
             total_ticks / (sites * watched_ticks) * tick_s if watched_ticks else None,
             worst_ticks * tick_s,
+            max(self._worst_ticks, worst_ticks) * tick_s,
             float(means.mean()) * tick_s if len(means) else None,
             float(means.max()) * tick_s if len(means) else None,
             self._longest_ticks * tick_s if len(means) else None,

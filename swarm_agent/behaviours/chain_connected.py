@@ -37,8 +37,9 @@ class ChainConnectedParameters(Parameters, frozen=True):
     `range_m` minus `margin_m` is the longest link that is planned. As both ends say where they go next, the
     margin has to cover only what they do before they have heard each other. `lost_after_s`: a node not heard
     for so long is out of reach. `absent_after_s`: a robot that nobody was in touch with for so long is not
-    counted on. `look_again_s`: how often who cannot go on looks whether it can now. `patience_s`: how long the
-    chain reaches for a site before it becomes strict.
+    counted on. `look_again_s`: how often who cannot go on looks whether it can now. `patience_s`: how long
+    the chain reaches for a site before nobody strays from its post any more; twice as long, and all begin
+    again from the tower.
     """
 
     range_m: Positive = 180.0
@@ -279,8 +280,6 @@ class ChainConnected(Behaviour):
         word = Word(pose.x_m, pose.y_m, *said, tuple(company.roll(tick)))
         say = Bulletin(self.knowledge.newest(len(self.sites_m)), (), self.since_tick, word)
         there = GoTo(*self.points_m[self.next], self.configuration.field.visit_within_m)
-        motion = (
-            None if self.waiting else there
-        )  # who waits goes on to the very place, and visits it but once
+        motion = None if self.waiting else there  # who waits goes on to the very place: one visit, no slack
         shown = Place(company.layer, self.parent, self.next, self.goal, self.place)
         return Move(motion, (say,), tick + 1, report=shown)

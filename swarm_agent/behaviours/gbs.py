@@ -10,15 +10,15 @@ from typing import Annotated, Any
 import msgspec
 import numpy as np
 
-from swarm_agent.behaviour import Heard, Parameters
+from swarm_agent.behaviour import Heard
 from swarm_agent.knowledge import Bulletin
-from swarm_agent.reactive import Reactive
+from swarm_agent.reactive import Reactive, ReactiveParameters
 
 LEAST = 0.1
 """G1: the probability of a neighbour without gain."""
 
 
-class GbsParameters(Parameters, frozen=True):
+class GbsParameters(ReactiveParameters, frozen=True):
     """`gain_most` is G2: seconds of idleness per metre of way at which a neighbour is sure to be taken.
     `edge_least_m`: a shorter way counts as this long. Both were tuned for each map; the defaults are those of
     patrolling_sim's SEBS, read in metres.
