@@ -4,6 +4,7 @@ Source: Kobayashi et al. 2025, sections V-B to V-F; it has figures and words but
 claims are of differences and shapes. Every number here is computed from the trials; medians over trials.
 """
 
+import math
 import statistics
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
@@ -12,6 +13,7 @@ from deploy.studies.lr_pt.outcomes import Outcomes
 from deploy.studies.lr_pt.partition import APART, VARIATION, Partition, partition_of
 from deploy.studies.lr_pt.plan import MEMORIES
 from deploy.studies.lr_pt.stability import COLUMNS, STABLE, phases
+from wire.scenario import Range, Scenario
 
 Word = Literal["reproduced", "direction only", "not reproduced", "not testable"]
 
@@ -113,7 +115,19 @@ def _others_know_less(outcomes: Outcomes) -> Verdict:
 
 
 def _chain(outcomes: Outcomes) -> Iterator[Verdict]:
-    """LPCC is published nowhere, so what is said of it can be set beside our own rule only."""
+    """LPCC is published nowhere, so what is said of it can be set beside our own rule only.
+
+    That a small team cannot reach far while it stays connected follows from lengths alone.
+    """
+    chains = {one.trial.nodes: _chain_m(one.scenario) for one in outcomes.of("main")}
+    short = {nodes for nodes, (reach_m, far_m) in chains.items() if reach_m < far_m}
+    told = (f"{reach_m:.0f} m of {far_m:.0f} m (N = {nodes})" for nodes, (reach_m, far_m) in chains.items())
+    yield Verdict(
+        "patrols that stay connected cannot reach the far cells at N = 5, and larger teams can",
+        f"longest chain of links, and the way to the far cell: {', '.join(told) or 'no trials'}",
+        "not testable" if not chains else "reproduced" if short == {5} else "not reproduced",
+        "(N - 1) x radio range beside the distance of the farthest cell: geometry, no trial",
+    )
     claims = {
         "normalised_graph_idleness_s": "I_G of LR-PT is about half of LPCC's",
         "normalised_worst_idleness_s": "I_W of LR-PT is about half of LPCC's",
@@ -124,6 +138,14 @@ def _chain(outcomes: Outcomes) -> Iterator[Verdict]:
         found = changes(outcomes, metric, ("main", "lr_pt"), ("main", "chain_connected"))
         measured = f"LR-PT beside our chain_connected: {_told(found)}"
         yield Verdict(claim, measured, "not testable", "LPCC is not published; chain_connected is ours")
+
+
+def _chain_m(scenario: Scenario) -> tuple[float, float]:
+    """How far a chain of all robots reaches from the tower, and how far away the farthest cell is."""
+    range_m = min(rule.range_m for rule in scenario.radio.rules if isinstance(rule, Range))
+    tower_m = (scenario.tower.x_m, scenario.tower.y_m)
+    far_m = max(math.dist(one, tower_m) for one in scenario.field.sites_m())
+    return len(scenario.robot_ids) * range_m, far_m
 
 
 def _by_size(outcomes: Outcomes, metric: str) -> dict[int, float]:

@@ -11,18 +11,19 @@ from deploy.studies.lr_pt.claims import Verdict
 from deploy.studies.lr_pt.outcomes import METRICS, Outcomes
 from deploy.studies.lr_pt.plan import Scale
 
-QUICK = """> **THIS IS A QUICK RUN.** Trials are {duration_s:.0f} s long instead of 43200 s, and few. It shows that
-> everything works. Its numbers and verdicts say nothing about the paper; run it without `--quick` for those."""
+QUICK = """> **THIS IS A QUICK RUN.** Trials are {duration_s:.0f} s long instead of 43200 s, and few. It shows
+> that everything works. Its numbers and verdicts say nothing about the paper; run it without `--quick` for
+> those."""
 
-ORIGIN = """What Kobayashi, Kobayashi, Ueno and Higuchi (2025) ran, run again with Picket: 20 x 20 cells of 30 m, a base
-station in the corner, radio to 180 m, one second per tick, trials of {duration_s:.0f} s of which the metrics
-leave out the first {from_s:.0f} s. N counts the base station. Seconds are normalised by (N - 1) / 400 unless it
-says otherwise; of several trials the median stands, and [smallest..largest]. ER, DTAP and chain connected are
-our implementations; their parameters, where tuned, are in `trials.parquet`."""
+ORIGIN = """What Kobayashi, Kobayashi, Ueno and Higuchi (2025) ran, run again with Picket: 20 x 20 cells of
+30 m, a base station in the corner, radio to 180 m, one second per tick, trials of {duration_s:.0f} s of which
+the metrics leave out the first {from_s:.0f} s. N counts the base station. Seconds are normalised by
+(N - 1) / 400 unless it says otherwise; of several trials the median stands, and [smallest..largest]. ER, DTAP
+and chain connected are our implementations; parameters of every trial are in `trials.parquet`."""
 
-HOW = """{rehearsed} trials were rehearsed (all minds in one process, same codec, same result), {processes} ran as
-one operating system process per node. Journals of rehearsed trials were folded and deleted: `picket run
-FOLDER/scenario.toml --in-process` gives any of them again, and the same `run_hash`."""
+HOW = """{rehearsed} trials were rehearsed (all minds in one process, same codec, same result), {processes}
+ran as one operating system process per node. Rehearsed trials leave no journal, which would be large:
+`picket run FOLDER/scenario.toml --in-process` gives it, and the same `run_hash`."""
 
 
 def write(outcomes: Outcomes, judged: list[Verdict], scale: Scale, quick: bool, figures: list[str]) -> str:

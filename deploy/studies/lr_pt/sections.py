@@ -10,14 +10,35 @@ from deploy.studies.lr_pt.stability import COLUMNS, phases
 
 KILLED = -9
 
+READINGS = """`unsent`: the newest entries that some neighbour is not known to have. `newest`: the newest of
+all, as printed; an entry that has dropped out of the newest eight is never said again."""
+
+TOLD = """Does the tower hear of every visit in the end? The time from a visit until the tower knows of it,
+or of a later one to the same cell, in seconds (not normalised; the worst counts visits still untold with
+the time they have waited). Never told: cells with a visit that the tower does not know of at the end
+although it is older than twice the worst SA delay of all trials with s = 400 of that N."""
+
+LOCK = """As printed, two robots that meet at a cell hold the same table, choose alike and stay together.
+Our default skips the goals that neighbours announce, which is a deviation from the paper; `none` is the
+paper's letter."""
+
+STRUCK = """The 20 % highest numbers are killed at a third of the run and started again at two thirds, with
+the memory they had or with none. Always real processes and SIGKILL. Normalised by the robots that are
+active; the beginning of each phase, as long as that left out of the metrics, is left out."""
+
+SHARED = """LR-PT, seed 1. Overlap of two robots: the sum over cells of the smaller of their shares of
+visits, mean over pairs. Variation of the sum over robots: standard deviation over mean. Reach: mean
+distance of a robot's visits from the tower, lowest to highest of the team. In brackets: by chance, had
+every visit been made by a robot, or at a cell, drawn at random."""
+
+PRINTED = """The paper prints means as a sum over the ticks from t0 on, divided by T. We divide by the number
+of terms. Read as printed, means are {factor:.4f} of ours:"""
+
 
 def few_items(outcomes: Outcomes) -> Iterator[str]:
     """s = 8 in both readings beside s = 400, and whether the tower ever hears of every visit."""
     yield "## Eight items per second"
-    yield (
-        "`unsent`: the newest entries that some neighbour is not known to have. `newest`: the newest of all, as "
-        "printed; an entry that has dropped out of the newest eight is never said again."
-    )
+    yield READINGS
     yield _variants(outcomes, {"s = 400": "main", "s = 8, unsent": "s8", "s = 8, newest": "s8-newest"})
     rows = []
     for nodes in outcomes.sizes():
@@ -28,12 +49,7 @@ def few_items(outcomes: Outcomes) -> Iterator[str]:
                 lost = [float(_untold(one, 2 * longest_s)) for one in trials]
                 waits = (outcomes.values(name, nodes, kind=kind) for name in ("word_mean_s", "word_worst_s"))
                 rows.append((str(nodes), words, *(spread(each, 0) for each in waits), spread(lost, 0)))
-    yield (
-        "Does the tower hear of every visit in the end? The time from a visit until the tower knows of it, or "
-        "of a later one to the same cell, in seconds (not normalised; the worst counts visits still untold "
-        "with the time they have waited). Never told: cells with a visit that the tower does not know of at "
-        "the end although it is older than twice the worst SA delay of all trials with s = 400 of that N."
-    )
+    yield TOLD
     yield table(("N", "items", "mean time to be told", "worst", "cells never told of"), rows)
 
 
@@ -47,11 +63,7 @@ def _untold(outcome: Outcome, older_than_s: float) -> int:
 def literal(outcomes: Outcomes) -> Iterator[str]:
     """Without a lock breaker."""
     yield "## Taken literally"
-    yield (
-        "As printed, two robots that meet at a cell hold the same table, choose alike and stay together. Our "
-        "default skips the goals that neighbours announce, which is a deviation from the paper; `none` is "
-        "the paper's letter."
-    )
+    yield LOCK
     yield _variants(outcomes, {"default": "main", "lock_breaker = none": "literal"})
 
 
@@ -71,11 +83,7 @@ def failures(outcomes: Outcomes) -> Iterator[str]:
     if not struck:
         return
     yield "## Failures"
-    yield (
-        "The 20 % highest numbers are killed at a third of the run and started again at two thirds, with the "
-        "memory they had or with none. Always real processes and SIGKILL. Normalised by the robots that are "
-        "active; the beginning of each phase, as long as that left out of the metrics, is left out."
-    )
+    yield STRUCK
     rows, killed = [], []
     for one in struck:
         memory = one.trial.kind.removeprefix("failures-")
@@ -106,41 +114,34 @@ def maps(outcomes: Outcomes) -> Iterator[str]:
                     )
                 )
     yield "## Who visits what"
-    yield (
-        "LR-PT, seed 1. Overlap of two robots: the sum over cells of the smaller of their shares of visits, "
-        "mean over pairs. Variation of the sum over robots: standard deviation over mean. Reach: mean distance "
-        "of a robot's visits from the tower, lowest to highest of the team. In brackets: by chance, had every "
-        "visit been made by a robot, or at a cell, drawn at random."
-    )
+    yield SHARED
     yield table(("N", "overlap", "variation of the sum", "reach, m"), rows)
 
 
 def checks(outcomes: Outcomes) -> Iterator[str]:
-    """Equal hashes of rehearsals and processes, delays no shorter than idleness, and deaths by nobody's plan."""
+    """Equal hashes of rehearsals and processes, delays no shorter than idleness, deaths by nobody's plan."""
     rows = []
-    rehearsed = {(one.trial.algorithm.name, one.trial.nodes, one.trial.seed): one for one in outcomes.all}
-    rehearsed |= {
-        (one.trial.algorithm.name, one.trial.nodes, one.trial.seed): one
-        for one in outcomes.all
-        if one.trial.kind == "main"
-    }
+    mains = {_identity(one): one for one in outcomes.all if one.trial.kind == "main"}
     for one in (one for one in outcomes.all if one.trial.kind == "processes"):
-        other = rehearsed[one.trial.algorithm.name, one.trial.nodes, one.trial.seed]
+        other = mains[_identity(one)]
         mine, theirs = one.summary["run_hash"], other.summary["run_hash"]
         rows.append((other.trial.name, theirs, mine, "yes" if mine == theirs else "**NO**"))
     if rows:
         yield "One trial of each algorithm was run a second time, as processes:"
         yield table(("trial", "run hash, rehearsed", "run hash, processes", "equal"), rows)
     wrong = [one.trial.name for one in outcomes.all if not _delays_follow_idleness(one)]
-    yield (
-        f"SA delay is never shorter than idleness (D_MSA >= I_G, D_WSA >= I_W): {len(outcomes.all) - len(wrong)} "
-        f"of {len(outcomes.all)} trials{'; not: ' + ', '.join(wrong) if wrong else ''}."
-    )
+    right = f"{len(outcomes.all) - len(wrong)} of {len(outcomes.all)} trials"
+    but = f"; not: {', '.join(wrong)}" if wrong else ""
+    yield f"SA delay is never shorter than idleness (D_MSA >= I_G, D_WSA >= I_W): {right}{but}."
     died = [(one.trial.name, death) for one in outcomes.all for death in one.deaths]
     if died:
         yield f"**{len(died)} nodes died that nobody had planned to kill:**"
         rows = [(name, str(it["tick"]), it["node"], _last_line(it)) for name, it in died[:20]]
         yield table(("trial", "tick", "node", "last words"), rows)
+
+
+def _identity(outcome: Outcome) -> tuple[str, int, int]:
+    return outcome.trial.algorithm.name, outcome.trial.nodes, outcome.trial.seed
 
 
 def _delays_follow_idleness(outcome: Outcome) -> bool:
@@ -170,8 +171,5 @@ def as_printed(outcomes: Outcomes, scale: Scale) -> Iterator[str]:
         )
     ]
     yield "## For those who read values off the paper's figures"
-    yield (
-        f"The paper prints means as a sum over the ticks from t0 on, divided by T. We divide by the number of "
-        f"terms. Read as printed, means are {factor:.4f} of ours:"
-    )
+    yield PRINTED.format(factor=factor)
     yield table(("N", "algorithm", "graph idleness, as printed", "mean SA delay, as printed"), rows)
