@@ -234,9 +234,8 @@ def rehearsed_deaths(folder: Path, given: Scenario, dead_ticks: int) -> Run:
     with (folder / "journal").open("wb") as stream, (folder / "events.jsonl").open("w") as lines:
         journal = Journal(stream, given, to_toml(given), world.poses().tobytes())
         tell = EventLog(lines, given.tick_s).write
-        Clock(
-            world, DeadlyRehearsal(dead_ticks, given, folder, tell, facts.append), journal, given.last_tick
-        ).run()
+        swarm = DeadlyRehearsal(dead_ticks, given, folder, tell, lambda one: facts.append(one.facts))
+        Clock(world, swarm, journal, given.last_tick).run()
     run = Run(given, folder, facts)
     ways = [Death(*one).when for one in given.tower.parameters["deaths"]]
     kills = [one for one, when in zip(run.faults("kill"), ways, strict=False) if when == "boundary"]
