@@ -1,8 +1,8 @@
 """`picket reproduce graphs`: the classic patrol rules on patrol graphs, by the metrics of patrolling_sim.
 
 Source: Portugal and Rocha's patrolling_sim, whose monitor's metrics are in deploy/metrics/intervals.py, and
-whose robots hear each other everywhere: so here. Ours: robots start at nodes drawn by the trial's seed, all at
-1 m/s, turning takes no time, and nobody waits at a node; the first part of a trial is left out.
+whose robots hear each other everywhere: so here. Ours: robots start at nodes drawn by the trial's seed, all
+at 1 m/s, turning takes no time, and nobody waits at a node; the first part of a trial is left out.
 """
 
 import argparse
@@ -54,17 +54,17 @@ COLUMNS = {
     "visits": "visits",
 }
 
-ORIGIN = """Trials of {duration_s:.0f} s, metrics from {from_s:.0f} s on; robots start at nodes drawn by the seed,
-hear each other everywhere, go 1 m/s, need no time to turn and do not wait at nodes. Of several trials the
-median stands, and [smallest..largest], in seconds. Idleness: graph idleness, mean over time. Intervals and
-visits are those of patrolling_sim's monitor, which counts closed intervals between visits of a node. Interval:
-mean over nodes of a node's mean; worst: the largest such mean; longest: of all. Per visit: interval x robots /
-nodes, about the time between two visits of one robot; it says how fast robots drive, idleness how well they
-share.
+ORIGIN = """Trials of {duration_s:.0f} s, metrics from {from_s:.0f} s on; robots start at nodes drawn by
+the seed, hear each other everywhere, go 1 m/s, need no time to turn and do not wait at nodes. Of several
+trials the median stands, and [smallest..largest], in seconds. Idleness: graph idleness, mean over time.
+Intervals and visits are those of patrolling_sim's monitor, which counts closed intervals between visits of
+a node. Interval: mean over nodes of a node's mean; worst: the largest such mean; longest: of all. Per
+visit: interval x robots / nodes, about the time between two visits of one robot; it says how fast robots
+drive, idleness how well they share.
 
-Two robots in one tick at one node count as two visits, an interval of 0 between them. On a map with edges of
-one length robots stay in step, and those that meet and decide by the same rule on the same news stay together:
-a small mean interval beside a large graph idleness is this."""
+Two robots in one tick at one node count as two visits, an interval of 0 between them. On a map with edges
+of one length robots stay in step, and those that meet and decide by the same rule on the same news stay
+together: a small mean interval beside a large graph idleness is this."""
 
 
 def reproduce(given: argparse.Namespace) -> int:

@@ -19,8 +19,8 @@ ORIGIN = """What Kobayashi, Kobayashi, Ueno and Higuchi (2025) ran, run again wi
 30 m, a base station in the corner, radio to 180 m, one second per tick, trials of {duration_s:.0f} s of which
 the metrics leave out the first {from_s:.0f} s. N counts the base station. Seconds are normalised by
 (N - 1) / 400 unless it says otherwise; of several trials the median stands, and [smallest..largest]. ER, DTAP
-and chain connected are our implementations; parameters of every trial are in `trials.parquet`. A worst value of
-{never} says that some cell was never visited, or never told of."""
+and chain connected are our implementations; parameters of every trial are in `trials.parquet`. A worst value
+of {never} says that some cell was never visited, or never told of."""
 
 HOW = """{rehearsed} trials were rehearsed (all minds in one process, same codec, same result), {processes}
 ran as one operating system process per node. Rehearsed trials leave no journal, which would be large:
