@@ -84,7 +84,10 @@ def _add_run(commands: argparse._SubParsersAction) -> None:
     positive = _number(float, "a number > 0", lambda value: 0 < value < math.inf)
     run.add_argument("--seed", type=_number(int, "a whole number >= 0", lambda value: value >= 0))
     run.add_argument("--until", type=positive, metavar="SECONDS", help="end at this simulated time")
-    run.add_argument("--set", action="append", default=[], metavar="key.path=value", dest="settings")
+    words = "change the scenario; behaviour=NAME is short for robots.behaviour=NAME (repeatable)"
+    run.add_argument(
+        "--set", action="append", default=[], metavar="key.path=value", dest="settings", help=words
+    )
     run.add_argument("--clock", choices=("lockstep", "paced"))
     run.add_argument("--rate", type=positive, metavar="X", help="simulated seconds per second when paced")
     run.add_argument("--in-process", action="store_true", help="rehearse: all minds in this process")

@@ -18,6 +18,10 @@ from deploy.scenes.mission import BASE, GREY, OWN, WHITE, Mission
 from wire.fields import Grid
 
 LINK, FAINT = (120, 230, 255), (70, 74, 88)
+DISC = 1.8
+"""How many times as large as a robot a site is drawn."""
+HATCHING = [(max(0.0, place - 1), min(1.0, place)) for place in np.linspace(0.2, 1.8, 9)]
+"""Parallel strokes across a hole of size 1: each from (start, end) to (end, start)."""
 Fixed = Callable[[str, Any], None]
 """Logs to an entity what holds for all times."""
 
@@ -79,6 +83,8 @@ class Picture:
             stream.log("map/goals", rr.Clear(recursive=False))
         if snapshot.heat_s is not None:
             stream.log("map/idleness", rr.DepthImage.from_fields(buffer=snapshot.heat_s[::-1].tobytes()))
+        if snapshot.glow:
+            stream.log("map/sites", rr.Points2D.from_fields(colors=snapshot.glow))
         if snapshot.paints:
             colours, labels = zip(*snapshot.paints, strict=True)
             stream.log("map/strips", rr.LineStrips2D.from_fields(colors=colours))
@@ -125,6 +131,7 @@ class Picture:
                 rr.Ellipses2D(centers=tower, half_sizes=radii_m, line_radii=[-0.7], colors=[GREY]),
             )
         _log_grid(scene, fixed)
+        _log_sites(scene.mission, fixed)
         _log_strips(scene.mission, fixed)
         for plot in scene.plots:
             series, colours = zip(*plot.series, strict=True)
@@ -188,6 +195,26 @@ def _log_grid(scene: Scene, fixed: Fixed) -> None:
             draw_order=0,
         ),
     )
+    strokes = [
+        (
+            (left + (column + start) * field.cell_m, -bottom - (row + end) * field.cell_m),
+            (left + (column + end) * field.cell_m, -bottom - (row + start) * field.cell_m),
+        )
+        for column, row in field.holes
+        for start, end in HATCHING
+    ]
+    if strokes:
+        fixed("map/holes", rr.LineStrips2D(strokes, radii=[-0.7], colors=[FAINT], draw_order=6))
+
+
+def _log_sites(mission: Mission, fixed: Fixed) -> None:
+    """Discs with a rim, so that black ones show too; their colours come with every snapshot."""
+    if mission.sites:
+        positions = _view(np.array(mission.sites))
+        rim = rr.Points2D(positions, radii=[1.15 * DISC * mission.radius_m], colors=[GREY], draw_order=7)
+        fixed("map/rims", rim)
+        disc = rr.Points2D.from_fields(positions=positions, radii=[DISC * mission.radius_m], draw_order=8)
+        fixed("map/sites", disc)
 
 
 def _log_strips(mission: Mission, fixed: Fixed) -> None:

@@ -7,7 +7,7 @@ from wire.fields import Edge, Graph, Grid
 from wire.scenario import Scenario
 
 MAX_SITES = 2**16  # sites travel as uint16
-FARTHEST_M = 1e6
+SHORTEST_M, FARTHEST_M = 1e-3, 1e6
 
 
 def check_field(field: Grid | Graph) -> None:
@@ -84,8 +84,8 @@ def _check_edges(graph: Graph) -> None:
 
 
 def _check_length(place: str, edge: Edge) -> None:
-    if not (edge.length_m or 0) <= FARTHEST_M:
-        raise Mistake(f"{place} must be at most {FARTHEST_M:g} m long, got {edge.length_m}")
+    if edge.length_m is not None and not SHORTEST_M <= edge.length_m <= FARTHEST_M:
+        raise Mistake(f"{place} must be from {SHORTEST_M:g} to {FARTHEST_M:g} m long, got {edge.length_m}")
 
 
 def _unreached(field: Grid | Graph) -> int | None:

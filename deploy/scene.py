@@ -36,8 +36,8 @@ class Snapshot(NamedTuple):
     """A scene at one time, and what happened since the snapshot before it.
 
     `positions_m`: (nodes, 2). `colours`: of all nodes. `links`: rows of nodes, (links, 2), each pair once.
-    `goals_m`: (nodes, 2), NaN for none. `heat_s`: (rows, columns), row 0 at the bottom, or None. `paints`: of
-    the mission's strips. `curves`: values by name of the plot.
+    `goals_m`: (nodes, 2), NaN for none. `heat_s`: (rows, columns), row 0 at the bottom, or None. `glow`: of
+    the mission's sites. `paints`: of its strips. `curves`: values by name of the plot.
     """
 
     time_s: float
@@ -47,6 +47,7 @@ class Snapshot(NamedTuple):
     links: np.ndarray
     goals_m: np.ndarray
     heat_s: np.ndarray | None
+    glow: tuple[Colour, ...]
     paints: tuple[Paint, ...]
     curves: dict[str, tuple[float, ...]]
     lines: tuple[Line, ...]
@@ -126,6 +127,7 @@ class Scene:
             np.unique(np.sort(self._links, axis=1), axis=0),
             goals_m,
             self.mission.heat_s(),
+            self.mission.glow(),
             self.mission.paints(),
             curves,
             tuple(self._lines),

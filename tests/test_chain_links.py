@@ -1,4 +1,4 @@
-"""Chain: where posts are, which ways lead there, how layers are counted. Worked by hand, or by brute force."""
+"""Chain: where posts are, which ways lead there, how layers count. By hand, or against brute force."""
 
 import itertools
 import math
@@ -76,7 +76,7 @@ def test_a_relay_may_be_wherever_it_reaches_the_posts_before_and_behind():
 
 
 def test_a_site_that_is_near_but_whose_way_leads_out_of_reach_is_no_post():
-    """A hairpin: 3 lies 60 m beside 0, but the only way there goes 300 m out; with longer links, from post 1."""
+    """A hairpin: 3 lies 60 m beside 0, but the only way goes 300 m out; with longer links, from post 1."""
     field = graph([(0.0, 0.0), (100.0, 0.0), (300.0, 30.0), (0.0, 60.0)], (0, 1), (1, 2), (2, 3))
     plan = posts(field, 150.0)
     assert plan.links.tolist() == [1, 1, OUT_OF_REACH, OUT_OF_REACH]
@@ -124,7 +124,7 @@ def heard(sender: str, sent_tick: int, said: Word | None) -> Heard:
 
 
 def test_a_layer_is_one_more_than_the_smallest_in_hearing():
-    """The tower is 0. Of the same frame of the tower the shorter way counts, in whatever order it is heard."""
+    """The tower is 0. Of its same frame the shorter way counts, in whatever order words are heard."""
     words = [heard("r3", 9, word(2, 7)), heard("r4", 9, word(1, 7)), heard("r5", 9, word(4, 7))]
     for order in itertools.permutations(words):
         one = company("r9")

@@ -98,7 +98,7 @@ class Graph(
     nodes_m: tuple[Point, ...] = ()
     edges: tuple[Edge, ...] = ()
     lengths: Literal["cost", "straight"] = "cost"
-    visit_within_m: Metres = 0.001
+    visit_within_m: Metres = 1e-6
 
     def sites_m(self) -> list[Point]:
         """Positions of all nodes, in order of their number."""

@@ -66,8 +66,9 @@ class Stretch(NamedTuple):
 class EdgeBody(Body):
     """A body that begins at the node nearest to its pose. Sent to any point, it goes to the nearest node.
 
-    Told to stay it stands where it is, on an edge too; sent elsewhere from there it goes on or turns back,
-    whichever way is cheaper.
+    Sent to a neighbour of the node where it stands it takes the edge that leads there, even where another way
+    costs less: what a behaviour asks `neighbours` for is what it gets. Told to stay it stands where it is, on
+    an edge too; sent elsewhere from there it goes on or turns back, whichever way is cheaper.
     """
 
     def __init__(self, pose: Pose, max_speed_m_s: float, routes: Routes) -> None:
@@ -83,7 +84,8 @@ class EdgeBody(Body):
         if isinstance(motion, GoTo):
             node = self._routes.nearest((motion.x_m, motion.y_m))
             motion = GoTo(*self._routes.field.nodes_m[node], motion.within_m)
-            self._turn_if_cheaper(node)
+            if motion != self.goal:
+                self._set_out(node)
         return super().command(motion)
 
     def advance(self, tick_s: float) -> None:
@@ -91,7 +93,7 @@ class EdgeBody(Body):
         left_m = self._max_speed_m_s * tick_s
         rounding_m = ROUNDING * left_m
         while left_m > rounding_m and not self.at_rest:
-            stretch = self._stretch or self._way_out()
+            stretch = self._stretch or self._way_on()
             rest_m = stretch.length_m - stretch.gone_m
             if rest_m > left_m + rounding_m:
                 self._stand_on(stretch._replace(gone_m=stretch.gone_m + left_m))
@@ -100,22 +102,29 @@ class EdgeBody(Body):
                 self._stand_at(stretch.end)
             left_m -= rest_m
 
-    def _way_out(self) -> Stretch:
-        """The edge that leads from this node towards the goal."""
-        goal = self._routes.number[self.goal.x_m, self.goal.y_m]
-        end = self._routes.next_node(self._node, goal)
-        return Stretch(self._node, end, self._routes.lengths_m[self._node][end], 0.0)
-
-    def _turn_if_cheaper(self, goal: int) -> None:
+    def _set_out(self, goal: int) -> None:
+        """Begin the way to another node, from a node or from the middle of an edge."""
         stretch = self._stretch
-        if stretch is None:
-            return
+        if stretch is not None and stretch.gone_m > 0:
+            self._turn_if_cheaper(stretch, goal)
+        else:
+            self._stretch = self._edge(goal) if goal in self._routes.lengths_m[self._node] else None
+
+    def _turn_if_cheaper(self, stretch: Stretch, goal: int) -> None:
         start, end, length_m, gone_m = stretch
         back_m = self._routes.lengths_m[end][start]
         returned_m = gone_m / length_m * back_m
         ahead_m = length_m - gone_m + self._routes.cost_m(end, goal)
         if returned_m + self._routes.cost_m(start, goal) < ahead_m:
             self._stand_on(Stretch(end, start, back_m, back_m - returned_m))
+
+    def _way_on(self) -> Stretch:
+        """The edge that leads from this node towards the goal."""
+        goal = self._routes.number[self.goal.x_m, self.goal.y_m]
+        return self._edge(self._routes.next_node(self._node, goal))
+
+    def _edge(self, end: int) -> Stretch:
+        return Stretch(self._node, end, self._routes.lengths_m[self._node][end], 0.0)
 
     def _stand_at(self, node: int) -> None:
         """Be at a node, exactly; the heading stays that of the edge by which it came."""

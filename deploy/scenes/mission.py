@@ -15,6 +15,18 @@ ORANGE, VIOLET, YELLOW = (255, 170, 60), (214, 110, 255), (245, 215, 70)
 GREEN, BLUE, ICE, RED = (64, 214, 150), (80, 170, 255), (190, 235, 255), (255, 70, 70)
 OWN = {BASE: WHITE, FROZEN: ICE, DEAD: RED, FLAT: VIOLET}
 """States that every mission has, with their colours."""
+INFERNO: tuple[Colour, ...] = (
+    (0, 0, 4),
+    (31, 12, 72),
+    (85, 15, 109),
+    (136, 34, 106),
+    (186, 54, 85),
+    (227, 89, 51),
+    (249, 140, 10),
+    (249, 201, 50),
+    (252, 255, 164),
+)
+"""Nine colours of the scale of that name, as many steps apart as the next."""
 
 
 class Plot(NamedTuple):
@@ -40,6 +52,17 @@ class Paint(NamedTuple):
     label: str
 
 
+def hot(share: float) -> Colour:
+    """The colour of a value on the scale of the heat map (inferno), where 1 is hottest."""
+    place = min(1.0, max(0.0, share)) * (len(INFERNO) - 1)
+    step = min(int(place), len(INFERNO) - 2)
+    cold, warm = INFERNO[step], INFERNO[step + 1]
+    red, green, blue = (
+        round(one + (place - step) * (other - one)) for one, other in zip(cold, warm, strict=True)
+    )
+    return red, green, blue
+
+
 class Mission:
     """What a mission adds. Area and line are such; what a mission does not say is as here."""
 
@@ -57,6 +80,8 @@ class Mission:
     hottest_s: float = 0.0
     """The value at the end of the heat map's colour scale."""
     strips: tuple[Strip, ...] = ()
+    sites: tuple[Point, ...] = ()
+    """Places that are painted anew in every snapshot, as discs."""
     ways: tuple[tuple[Point, ...], ...] = ()
     """Thin lines beneath everything."""
     places: tuple[Point, ...] = ()
@@ -85,6 +110,10 @@ class Mission:
     def heat_s(self) -> np.ndarray | None:
         """The heat map: (rows, columns), row 0 at the bottom."""
         return None
+
+    def glow(self) -> tuple[Colour, ...]:
+        """The colour of each of `sites`."""
+        return ()
 
     def paints(self) -> tuple[Paint, ...]:
         """How each of `strips` looks."""

@@ -13,7 +13,9 @@ import numpy as np
 
 from swarm_agent.behaviour import Behaviour, Heard, Move, Parameters
 from swarm_agent.knowledge import AssumedIdleness, Bulletin, NeighbourMemory
+from swarm_agent.ways import ways_of
 from wire.channels import number_of
+from wire.fields import Grid
 from wire.messages import Configuration, GoTo, Percept, Pose
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
@@ -184,8 +186,14 @@ class LrPt(Behaviour):
         self.goal, self.target = goal, self.on_the_way(here, goal)
 
     def on_the_way(self, here: int, goal: int) -> int:
-        """The neighbour of `here` in the direction of `goal`, rounded to 45 degrees; the goal if adjacent."""
-        rows = self.configuration.field.rows
+        """The neighbour of `here` in the direction of `goal`, rounded to 45 degrees; the goal if adjacent.
+
+        On other fields than a grid without holes, where that may not exist: the first of the cheapest way.
+        """
+        field = self.configuration.field
+        if not isinstance(field, Grid) or field.holes:
+            return int(ways_of(field).next_site[here, goal])
+        rows = field.rows
         columns_off, rows_off = goal // rows - here // rows, goal % rows - here % rows
         if max(abs(columns_off), abs(rows_off)) <= 1:
             return goal
