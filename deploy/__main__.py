@@ -11,7 +11,7 @@ from deploy.sweep import SweepError
 from deploy.viewer import ViewerError
 from world_server.journal import JournalError
 
-OPERATOR_MISTAKE = 2
+OPERATOR_MISTAKE, INTERRUPTED = 2, 130
 
 
 def main() -> None:
@@ -34,6 +34,9 @@ def carry_out(arguments: list[str]) -> int:
         return 1
     except BrokenPipeError:
         return 1
+    except KeyboardInterrupt:  # before or after a run, which has its own ways to end
+        print("picket: interrupted", file=sys.stderr)
+        return INTERRUPTED
 
 
 if __name__ == "__main__":

@@ -17,7 +17,8 @@ def add_parser(commands: argparse._SubParsersAction, some: Reader, positive: Rea
     line.set_defaults(do=_line_patrol)
     area = studies.add_parser("lr-pt", help="LR-PT beside ER, DTAP and others, with real failures")
     words = "compare this behaviour too: file:Class from here, or a shipped name; may be given again"
-    for study in (area,):
+    graphs = studies.add_parser("graphs", help="the classic patrol rules on patrol graphs")
+    for study in (area, graphs):
         study.add_argument("--trials", type=some, help="trials of each kind, with seeds 1, 2, ...")
         study.add_argument("--quick", action="store_true", help="short and few: to try it out in minutes")
         study.add_argument("--behaviour", action="append", default=[], dest="behaviours", help=words)
@@ -25,7 +26,10 @@ def add_parser(commands: argparse._SubParsersAction, some: Reader, positive: Rea
     only = "only trials whose name contains this, and no report"
     area.add_argument("--only", metavar="TEXT", default="", help=only)
     area.set_defaults(do=_lr_pt)
-    for study in (line, area):
+    files = "a .graph file of patrolling_sim or a TOML file of ours (default: the 5 x 5 map grid)"
+    graphs.add_argument("files", nargs="*", type=Path, metavar="FILE", help=files)
+    graphs.set_defaults(do=_graphs)
+    for study in (line, area, graphs):
         words = "where trials, tables and figures are kept (default: reproductions)"
         study.add_argument("--out", type=Path, metavar="DIR", help=words)
 
@@ -38,5 +42,11 @@ def _line_patrol(given: argparse.Namespace) -> int:
 
 def _lr_pt(given: argparse.Namespace) -> int:
     from deploy.studies.lr_pt.study import reproduce
+
+    return reproduce(given)
+
+
+def _graphs(given: argparse.Namespace) -> int:
+    from deploy.studies.graphs import reproduce
 
     return reproduce(given)

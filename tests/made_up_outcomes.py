@@ -7,14 +7,15 @@ from typing import Any
 import numpy as np
 
 from deploy.studies.lr_pt import plan
-from deploy.studies.lr_pt.outcomes import METRICS, Outcome, Outcomes
+from deploy.studies.outcomes import METRICS, Outcome, Outcomes
+from deploy.studies.trial import Scale, Trial
 
-SITES, SCALE = 400, plan.Scale(3000, 1000, 6000, 1)
+SITES, SCALE = 400, Scale(3000, 1000, 6000, 1)
 Values = tuple[float, float, float, float]
 
 
 @cache
-def every_trial(count: int = 1) -> tuple[plan.Trial, ...]:
+def every_trial(count: int = 1) -> tuple[Trial, ...]:
     return tuple(plan.trials(SCALE, count))
 
 
@@ -45,7 +46,7 @@ def tables(
     return {"visits": visits, "curves": np.stack(columns, axis=1), "untold_tick": untold}
 
 
-def outcome(trial: plan.Trial, values: Values, **fields: Any) -> Outcome:
+def outcome(trial: Trial, values: Values, **fields: Any) -> Outcome:
     """One trial with these four metrics; `fields` as those of Outcome."""
     killed = [{"node": "r9", "role": "robot", "pid": 7, "incarnation": 0, "exit": -9}]
     summary = {

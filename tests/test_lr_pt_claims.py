@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from deploy.studies.lr_pt.claims import Verdict, verdicts
-from deploy.studies.lr_pt.outcomes import Outcomes
 from deploy.studies.lr_pt.partition import partition
 from deploy.studies.lr_pt.stability import phases
+from deploy.studies.outcomes import Outcomes
 from tests.made_up_outcomes import Values, every_trial, outcome, outcomes, tables
 
 SIZES = (5, 10, 15)

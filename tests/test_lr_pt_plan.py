@@ -6,15 +6,16 @@ import pytest
 
 from deploy.scenario_file import ScenarioError
 from deploy.studies.lr_pt import plan
+from deploy.studies.trial import Trial, guest
 from wire.scenario import Range
 
 
 @pytest.fixture(scope="module")
-def everything() -> list[plan.Trial]:
+def everything() -> list[Trial]:
     return plan.trials(plan.FULL, 10)
 
 
-def named(trials: list[plan.Trial], name: str) -> plan.Trial:
+def named(trials: list[Trial], name: str) -> Trial:
     (found,) = (one for one in trials if one.name == name)
     return found
 
@@ -110,11 +111,11 @@ def test_a_changed_source_gives_a_guest_another_name(tmp_path, monkeypatch):
     names = []
     for version in ("one", "two"):
         (tmp_path / f"guest_{version}.py").write_text(source.format(version))
-        names.append(plan.guest(f"guest_{version}:Guest").name)
+        names.append(guest(f"guest_{version}:Guest", ()).name)
     fingerprints = [name.split("-")[1] for name in names]
     assert names[0].startswith("guest_one.Guest-") and fingerprints[0] != fingerprints[1]
 
 
 def test_who_is_in_the_comparison_already_is_no_guest():
     with pytest.raises(ScenarioError, match="--behaviour dtap: is in the comparison already"):
-        plan.guest("dtap")
+        guest("dtap", plan.ALGORITHMS)

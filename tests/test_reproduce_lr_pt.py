@@ -12,7 +12,8 @@ from deploy.__main__ import carry_out
 from deploy.studies.lr_pt import plan, report
 from deploy.studies.lr_pt.claims import verdicts
 from deploy.studies.lr_pt.figures import draw
-from deploy.studies.lr_pt.outcomes import Outcomes, collect
+from deploy.studies.outcomes import Outcomes, collect
+from deploy.studies.trial import Scale, guest
 from tests.made_up_outcomes import SCALE, outcomes
 
 README = (Path(__file__).parent.parent / "README.md").read_text("utf-8")
@@ -21,7 +22,7 @@ README = (Path(__file__).parent.parent / "README.md").read_text("utf-8")
 @pytest.fixture
 def tiny(monkeypatch, tmp_path):
     """A study of one algorithm and one size, minutes long, with the README's behaviour at hand."""
-    monkeypatch.setattr(plan, "QUICK", plan.Scale(180, 60, 360, 1))
+    monkeypatch.setattr(plan, "QUICK", Scale(180, 60, 360, 1))
     monkeypatch.setattr(plan, "ALGORITHMS", (plan.LR_PT,))
     monkeypatch.setattr(plan, "SIZES", (5,))
     monkeypatch.setattr(plan, "VARIANTS", plan.VARIANTS[:1])
@@ -112,11 +113,13 @@ def test_processes_are_not_rehearsed_and_a_rehearsal_will_not_do_for_them(tiny, 
 
 
 def test_a_guest_that_raises_is_said_to_have_died(tiny, tmp_path, capfd):
-    text = "from swarm_agent.behaviour import Behaviour\nclass Bad(Behaviour):\n    def step(self, percept, heard):\n"
-    (tmp_path / "bad_guest.py").write_text(text + "        raise ValueError('no idea')\n")
-    guest = plan.guest("bad_guest:Bad")
-    assert reproduce(tiny, "--behaviour", "bad_guest:Bad", "--only", f"{guest.name}-n5-seed1") == 0
-    trials = [one for one in plan.trials(plan.QUICK, 1, [guest]) if one.algorithm == guest]
+    text = "from swarm_agent.behaviour import Behaviour\nclass Bad(Behaviour):\n"
+    (tmp_path / "bad_guest.py").write_text(
+        text + "    def step(self, percept, heard):\n        raise ValueError('no idea')\n"
+    )
+    bad = guest("bad_guest:Bad", ())
+    assert reproduce(tiny, "--behaviour", "bad_guest:Bad", "--only", f"{bad.name}-n5-seed1") == 0
+    trials = [one for one in plan.trials(plan.QUICK, 1, [bad]) if one.algorithm == bad]
     folder = tiny / "lr-pt-quick"
     summaries = {one.name: json.loads((folder / one.name / "summary.json").read_text()) for one in trials}
     said = report.write(collect(trials, summaries, folder), [], plan.QUICK, True, [])

@@ -9,10 +9,10 @@ import statistics
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
-from deploy.studies.lr_pt.outcomes import Outcomes
 from deploy.studies.lr_pt.partition import APART, VARIATION, Partition, partition_of
 from deploy.studies.lr_pt.plan import MEMORIES
 from deploy.studies.lr_pt.stability import COLUMNS, STABLE, phases
+from deploy.studies.outcomes import Outcomes
 from wire.scenario import Range, Scenario
 
 Word = Literal["reproduced", "direction only", "not reproduced", "not testable"]

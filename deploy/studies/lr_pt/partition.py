@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from deploy.studies.lr_pt.outcomes import Outcome
+from deploy.studies.outcomes import Outcome
 
 DRAWS = 20
 APART = 0.90

@@ -4,29 +4,16 @@ Source: Kobayashi et al. 2025, Tables I and II, sections V-B to V-E. Ten trials 
 Table II has them with three sizes and two kinds of idleness; seeds are ours.
 """
 
-import hashlib
-import importlib
-import inspect
 import json
 import re
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from deploy.scenario_file import SHIPPED, ScenarioError, load_scenario
-from swarm_agent.behaviour import BehaviourError, find_behaviour
-from wire.scenario import Scenario
+from deploy.scenario_file import ScenarioError
+from deploy.studies.trial import Algorithm, Scale, Trial, settings_of
 
 SIZES = (5, 10, 15)
 """Nodes, the tower counted."""
-
-
-class Algorithm(NamedTuple):
-    """One row of the comparison: its name in folders, its name for readers, the behaviour, its parameters."""
-
-    name: str
-    label: str
-    behaviour: str
-    parameters: dict[str, Any]
 
 
 LR_PT = Algorithm("lr_pt", "LR-PT", "lr_pt", {})
@@ -38,17 +25,16 @@ ALGORITHMS = (
     Algorithm("chain_connected", "chain connected", "chain_connected", {}),
 )
 
-TUNED: dict[tuple[str, int], dict[str, Any]] = {}
-"""Parameters by the algorithm's name and N, where a pattern search found better ones than the defaults."""
-
-
-class Scale(NamedTuple):
-    """How long trials are, and how many there are unless the user says otherwise."""
-
-    duration_s: float
-    metrics_from_s: float
-    failures_s: float
-    trials: int
+TUNED: dict[tuple[str, int], dict[str, Any]] = {
+    ("expected_reactive", 15): {"distance_min_m": 36.05},
+    ("dtap", 5): {"hop_weight": -2.25},
+    ("dtap", 10): {"hop_weight": -1.75},
+    ("dtap", 15): {"timeout_s": 1.5},
+}
+"""Parameters by the algorithm's name and N, where `picket tune` found better ones than the defaults: the sum of
+normalised graph and worst idleness, each over its value at the start, 9000 s, metrics from 3000 s, seeds 101 and
+102, at most 13 points. docs/lr-pt.md has the tables.
+"""
 
 
 FULL = Scale(43200, 10000, 129600, 10)
@@ -67,7 +53,7 @@ class Variant(NamedTuple):
 
     def settings(self) -> tuple[str, ...]:
         """As `--set` takes them."""
-        return (*_parameters("robots", self.parameters), *_parameters("tower", self.tower))
+        return (*settings_of("robots", self.parameters), *settings_of("tower", self.tower))
 
 
 VARIANTS = (
@@ -76,23 +62,6 @@ VARIANTS = (
     Variant("literal", {"lock_breaker": "none"}, {}, FEW),
 )
 MEMORIES = ("kept", "lost")
-
-
-class Trial(NamedTuple):
-    """One trial: what it is of (`kind`: main, a variant's name, failures-kept, ...), and how it is run."""
-
-    name: str
-    kind: str
-    algorithm: Algorithm
-    nodes: int
-    seed: int
-    as_processes: bool
-    base: str
-    settings: tuple[str, ...]
-
-    def scenario(self) -> Scenario:
-        """The complete scenario. Raises ScenarioError."""
-        return load_scenario(SHIPPED / f"{self.base}.toml", list(self.settings))
 
 
 def trials(
@@ -113,22 +82,6 @@ def trials(
     if not found:
         raise ScenarioError(f"--only {only}: no trial has this in its name; one is called lr_pt-n5-seed1")
     return found
-
-
-def guest(behaviour: str, taken: Sequence[Algorithm] = ALGORITHMS) -> Algorithm:
-    """A user's behaviour as one more algorithm. Raises ScenarioError.
-
-    The name has a fingerprint of its source file, so that trials of an earlier version are not taken for it.
-    """
-    try:
-        module = importlib.import_module(find_behaviour(behaviour, "swarm_agent.behaviours").__module__)
-    except BehaviourError as error:
-        raise ScenarioError(f"--behaviour {behaviour}: {error}") from None
-    if any(behaviour in (one.behaviour, one.label) for one in taken):
-        raise ScenarioError(f"--behaviour {behaviour}: is in the comparison already")
-    fingerprint = hashlib.blake2b(inspect.getsource(module).encode(), digest_size=4).hexdigest()
-    name = re.sub(r"[^A-Za-z0-9_]+", ".", behaviour)
-    return Algorithm(f"{name}-{fingerprint}", behaviour, behaviour, {})
 
 
 def _of_seed(
@@ -178,12 +131,8 @@ def _settings(algorithm: Algorithm, nodes: int, seed: int) -> tuple[str, ...]:
         f"seed={seed}",
         f"robots.count={nodes - 1}",
         f"robots.behaviour={json.dumps(algorithm.behaviour)}",
-        *_parameters("robots", parameters),
+        *settings_of("robots", parameters),
     )
-
-
-def _parameters(section: str, parameters: dict[str, Any]) -> tuple[str, ...]:
-    return tuple(f"{section}.parameters.{name}={json.dumps(value)}" for name, value in parameters.items())
 
 
 def _contains(name: str, text: str) -> bool:

@@ -8,8 +8,8 @@ from deploy.machine import describe
 from deploy.markdown import spread, table
 from deploy.studies.lr_pt import sections
 from deploy.studies.lr_pt.claims import Verdict
-from deploy.studies.lr_pt.outcomes import METRICS, Outcomes
-from deploy.studies.lr_pt.plan import Scale
+from deploy.studies.outcomes import METRICS, Outcomes
+from deploy.studies.trial import Scale
 
 QUICK = """> **THIS IS A QUICK RUN.** Trials are {duration_s:.0f} s long instead of 43200 s, and few. It shows
 > that everything works. Its numbers and verdicts say nothing about the paper; run it without `--quick` for
@@ -19,7 +19,8 @@ ORIGIN = """What Kobayashi, Kobayashi, Ueno and Higuchi (2025) ran, run again wi
 30 m, a base station in the corner, radio to 180 m, one second per tick, trials of {duration_s:.0f} s of which
 the metrics leave out the first {from_s:.0f} s. N counts the base station. Seconds are normalised by
 (N - 1) / 400 unless it says otherwise; of several trials the median stands, and [smallest..largest]. ER, DTAP
-and chain connected are our implementations; parameters of every trial are in `trials.parquet`."""
+and chain connected are our implementations; parameters of every trial are in `trials.parquet`. A worst value
+of {never} says that some cell was never visited, or never told of."""
 
 HOW = """{rehearsed} trials were rehearsed (all minds in one process, same codec, same result), {processes}
 ran as one operating system process per node. Rehearsed trials leave no journal, which would be large:
@@ -34,7 +35,7 @@ def write(outcomes: Outcomes, judged: list[Verdict], scale: Scale, quick: bool, 
     parts += [
         f"{datetime.now():%Y-%m-%d %H:%M}",
         table(("", ""), [*describe().items(), ("trials by commit", _commits(outcomes))]),
-        ORIGIN.format(duration_s=scale.duration_s, from_s=scale.metrics_from_s),
+        ORIGIN.format(duration_s=scale.duration_s, from_s=scale.metrics_from_s, never=_never(outcomes)),
         "## The paper's claims",
         claims(judged),
         "## All algorithms",
@@ -72,6 +73,12 @@ def comparison(outcomes: Outcomes, sizes: Iterable[int]) -> str:
                 values = (outcomes.values(f"normalised_{name}", nodes, one.name) for name in METRICS)
                 rows.append((str(nodes), one.label, *(spread(each) for each in values), str(len(trials))))
     return table(("N", "algorithm", *METRICS.values(), "trials"), rows)
+
+
+def _never(outcomes: Outcomes) -> str:
+    """The length of the whole run, normalised, by size."""
+    lengths_s = {one.trial.nodes: one.scenario.duration_s * one.share for one in outcomes.of("main")}
+    return ", ".join(f"{value:.0f} (N = {nodes})" for nodes, value in lengths_s.items()) or "the whole run"
 
 
 def _commits(outcomes: Outcomes) -> str:

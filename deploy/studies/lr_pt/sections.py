@@ -3,10 +3,11 @@
 from collections.abc import Iterator
 
 from deploy.markdown import spread, table
-from deploy.studies.lr_pt.outcomes import METRICS, Outcome, Outcomes
 from deploy.studies.lr_pt.partition import partition_of
-from deploy.studies.lr_pt.plan import MEMORIES, Scale
+from deploy.studies.lr_pt.plan import MEMORIES
 from deploy.studies.lr_pt.stability import COLUMNS, phases
+from deploy.studies.outcomes import METRICS, Outcome, Outcomes
+from deploy.studies.trial import Scale
 
 KILLED = -9
 

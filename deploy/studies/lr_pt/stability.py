@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from deploy.metrics.curves import Instant
-from deploy.studies.lr_pt.outcomes import Outcome
+from deploy.studies.outcomes import Outcome
 
 STABLE = 0.15
 """Stable: the mean of a phase lies within so much of that before the failure."""

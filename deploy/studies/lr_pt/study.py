@@ -9,7 +9,8 @@ from deploy.campaign import INTERRUPTED, Campaign, make_folder
 from deploy.studies.lr_pt import plan, report
 from deploy.studies.lr_pt.claims import Verdict, verdicts
 from deploy.studies.lr_pt.figures import draw
-from deploy.studies.lr_pt.outcomes import collect, save
+from deploy.studies.outcomes import collect, save
+from deploy.studies.trial import Algorithm, guest
 
 
 def reproduce(given: argparse.Namespace) -> int:
@@ -18,9 +19,9 @@ def reproduce(given: argparse.Namespace) -> int:
     Raises RunError, ScenarioError, SweepError.
     """
     scale = plan.QUICK if given.quick else plan.FULL
-    guests: list[plan.Algorithm] = []
+    guests: list[Algorithm] = []
     for behaviour in given.behaviours:
-        guests.append(plan.guest(behaviour, (*plan.ALGORITHMS, *guests)))
+        guests.append(guest(behaviour, (*plan.ALGORITHMS, *guests)))
     count = given.trials or scale.trials
     trials = plan.trials(scale, count, guests, given.processes, given.only)
     folder = make_folder(given.out, "lr-pt-quick" if given.quick else "lr-pt")

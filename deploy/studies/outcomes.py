@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from deploy.recorder import deaths
-from deploy.studies.lr_pt.plan import SIZES, Algorithm, Trial
+from deploy.studies.trial import Algorithm, Trial
 from wire.scenario import Scenario
 
 METRICS = {
@@ -89,7 +89,7 @@ class Outcomes:
 
     def sizes(self) -> list[int]:
         """The team sizes that there are."""
-        return sorted({one.trial.nodes for one in self.all} & set(SIZES))
+        return sorted({one.trial.nodes for one in self.all})
 
 
 def collect(trials: Iterable[Trial], summaries: Mapping[str, dict[str, Any]], folder: Path) -> Outcomes:
