@@ -96,7 +96,7 @@ def test_only_something_that_is_nowhere_is_a_mistake():
 
 
 def test_tuned_parameters_reach_their_algorithm_at_their_size_only(monkeypatch):
-    monkeypatch.setitem(plan.TUNED, ("expected_reactive", 10), {"distance_min_m": 12.5})
+    monkeypatch.setattr(plan, "TUNED", {("expected_reactive", 10): {"distance_min_m": 12.5}})
     trials = plan.trials(plan.FULL, 1, only="expected_reactive-n")
     distances = {one.nodes: one.scenario().robots.parameters["distance_min_m"] for one in trials}
     assert distances == {5: 0.0, 10: 12.5, 15: 0.0}

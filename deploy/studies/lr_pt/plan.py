@@ -31,11 +31,9 @@ TUNED: dict[tuple[str, int], dict[str, Any]] = {
     ("dtap", 10): {"hop_weight": -1.75},
     ("dtap", 15): {"timeout_s": 1.5},
 }
-"""Parameters by the algorithm's name and N, where `picket tune` found better ones than the defaults: the sum of
-normalised graph and worst idleness, each over its value at the start, 9000 s, metrics from 3000 s, seeds 101 and
-102, at most 13 points. docs/lr-pt.md has the tables.
+"""Parameters by the algorithm's name and N, where `picket tune` found better ones than the defaults:
+how, and the tables, in docs/lr-pt.md.
 """
-
 
 FULL = Scale(43200, 10000, 129600, 10)
 QUICK = Scale(3000, 1000, 6000, 2)
