@@ -67,6 +67,8 @@ PURE = (
     "swarm_agent/ways.py",
     "wire/line.py",
     "swarm_agent/surveillance_graph.py",
+    "swarm_agent/graph_clear.py",
+    "swarm_agent/cut_sets.py",
     "swarm_agent/geometry.py",
     "tower/base_station.py",
     "tower/desk.py",
