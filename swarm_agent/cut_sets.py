@@ -1,10 +1,10 @@
 """Graph-Clear on trees: what each branch takes, alone or interleaved with the others.
 
-A tree is a `networkx.Graph` with whole numbers as vertices and `robots` on every vertex (to sweep it) and every
-edge (to block it). All counts here are robots.
+A tree is a `networkx.Graph` with whole numbers as vertices and `robots` on every vertex (to sweep it) and
+every edge (to block it). All counts here are robots.
 
-Source: labels and cut sets are those of Kolling and Carpin, "Pursuit-evasion on trees by robot teams", T-RO 2010,
-of which we know the idea only; how segments are glued and merged is ours, tested against all orders.
+Source: labels and cut sets are ideas of Kolling and Carpin, "Pursuit-evasion on trees by robot teams", T-RO
+2010; how segments are glued and merged is ours, tested against all orders.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -14,7 +14,7 @@ from typing import NamedTuple
 import networkx
 
 Convention = Callable[[int, int, int], int]
-"""From a vertex's weight, the robots on its edges to cleared and to other vertices: what sweeping it takes."""
+"""What sweeping a vertex takes, by its weight and the robots on its edges to cleared and other vertices."""
 CLEARED = -1
 """Stands for all cleared vertices in a graph where they are one."""
 
@@ -37,7 +37,7 @@ class Segment(NamedTuple):
 
 
 def sequential_label(tree: networkx.Graph, convention: Convention, source: int, target: int) -> int:
-    """Robots that clear the side of `target`, one branch after the other, coming over the edge from `source`."""
+    """Robots that clear the side of `target`, coming from `source`, one branch after the other."""
     beyond = {child: tree.edges[target, child]["robots"] for child in sorted(tree[target]) if child != source}
     behind = tree.edges[source, target]["robots"]
     label = convention(tree.nodes[target]["robots"], behind, sum(beyond.values()))

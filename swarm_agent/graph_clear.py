@@ -4,8 +4,8 @@ A graph is a `networkx.Graph` with whole numbers as vertices and a positive whol
 vertex (to sweep it) and every edge (to block it). All counts here are robots.
 
 Sources: the problem is that of Kolling and Carpin, "Pursuit-evasion on trees by robot teams", T-RO 2010;
-orders, and the contiguous ones among them: Morin et al., Constraints 23, 2018. That lines are their own sweepers,
-and the search for what to keep, are ours.
+orders, and the contiguous ones among them: Morin et al., Constraints 23, 2018. That lines are their own
+sweepers, and the search for what to keep, are ours.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -25,7 +25,7 @@ def extra_sweepers(weight: int, behind: int, ahead: int) -> int:
 
 
 def one_line(weight: int, behind: int, ahead: int) -> int:
-    """A team in lines: the same robots leave the edges behind, cross the vertex and block those ahead (ours)."""
+    """A team in lines: the same robots leave the edges behind, cross it and block those ahead (ours)."""
     return max(weight, behind, ahead)
 
 
@@ -80,10 +80,10 @@ def steps(
 def exact(
     graph: networkx.Graph, convention: Convention, contiguous: bool, cleared: Collection[int] = ()
 ) -> Strategy:
-    """The cheapest order of all that go on from `cleared`, by dynamic programming over sets: for small graphs.
+    """The cheapest order of all that go on from `cleared`, by dynamic programming over sets; for small graphs.
 
-    `contiguous`: every vertex but the first of all lies beside a cleared one. Of equal orders it is always the
-    same. Source: the recursion of model CPS in Morin et al. 2018.
+    `contiguous`: every vertex but the first of all lies beside a cleared one. Of equal orders it is always
+    the same. Source: the recursion of model CPS in Morin et al. 2018.
     """
     names = sorted(graph)
     weights = [graph.nodes[name]["robots"] for name in names]
@@ -136,9 +136,9 @@ def _contracted(graph: networkx.Graph, cleared: Collection[int]) -> networkx.Gra
 def plan(graph: networkx.Graph, cleared: Collection[int] = (), convention: Convention = one_line) -> Strategy:
     """The order in which to go on from the cleared vertices of a connected graph, always beside them.
 
-    The contiguous optimum where what is left is a tree, or nearly: with cycles and at most EXACT_VERTICES
-    vertices it is searched for. Else the edges that close cycles stay blocked in the mind of the plan (Kolling and
-    Carpin 2007), which costs more than it must; the robots are counted as the order really takes them.
+    The contiguous optimum where what is left is a tree; with cycles and at most EXACT_VERTICES vertices too.
+    Else the order is that of a spanning tree, as if the edges that close cycles stayed blocked (Kolling and
+    Carpin 2007), which may cost more than it must. The robots are those that the order really takes.
     """
     left = _contracted(graph, cleared)
     if set(left) <= {CLEARED}:
@@ -179,8 +179,8 @@ def fallback(
 ) -> State | None:
     """What to keep of `cleared` so that so many robots can sweep `vertex`: the largest area among the states.
 
-    The states are those that the cut sets of the known tree go through, from every start; vertices that are not
-    cleared come last there. One counts if sweeping `vertex` beside it, and the retreat to it, take no more
+    The states are those that the cut sets of the known tree go through, from every start; vertices that are
+    not cleared come last there. One counts if sweeping `vertex` beside it, and the retreat to it, take no more
     than `robots`. Nothing cleared at all counts too: then lines are abandoned, which takes nobody. Of equal
     areas (without `area_m2`: of equally many vertices) the one held by fewest. None: not even that suffices.
     """

@@ -69,6 +69,7 @@ PURE = (
     "swarm_agent/surveillance_graph.py",
     "swarm_agent/graph_clear.py",
     "swarm_agent/cut_sets.py",
+    "swarm_agent/graph_copy.py",
     "swarm_agent/geometry.py",
     "tower/base_station.py",
     "tower/desk.py",
