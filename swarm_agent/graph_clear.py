@@ -80,10 +80,11 @@ def steps(
 def exact(
     graph: networkx.Graph, convention: Convention, contiguous: bool, cleared: Collection[int] = ()
 ) -> Strategy:
-    """The cheapest order of all that go on from `cleared`, by dynamic programming over sets; for small graphs.
+    """The cheapest order of all that go on from `cleared`, by dynamic programming over sets of vertices.
 
     `contiguous`: every vertex but the first of all lies beside a cleared one. Of equal orders it is always
-    the same. Source: the recursion of model CPS in Morin et al. 2018.
+    the same. Source: the recursion of model CPS in Morin et al. 2018; time and memory grow as 2 to the
+    number of vertices.
     """
     names = sorted(graph)
     weights = [graph.nodes[name]["robots"] for name in names]
@@ -180,15 +181,15 @@ def fallback(
     """What to keep of `cleared` so that so many robots can sweep `vertex`: the largest area among the states.
 
     The states are those that the cut sets of the known tree go through, from every start; vertices that are
-    not cleared come last there. One counts if sweeping `vertex` beside it, and the retreat to it, take no more
-    than `robots`. Nothing cleared at all counts too: then lines are abandoned, which takes nobody. Of equal
-    areas (without `area_m2`: of equally many vertices) the one held by fewest. None: not even that suffices.
+    not cleared come last there. One counts if sweeping `vertex` while it is held, and the retreat to it, take
+    no more than `robots`. Nothing cleared at all counts too: then lines are abandoned, which takes nobody. Of
+    equal areas (without `area_m2`: of equally many vertices) the one held by fewest. None: nothing suffices.
     """
     tree = networkx.maximum_spanning_tree(_contracted(graph, ()), weight="robots")
-    never = 1 + sum(robots for _, robots in [*graph.nodes(data="robots")]) + graph.size("robots")
+    more_than_all = 1 + sum(weight for _, weight in graph.nodes(data="robots")) + graph.size("robots")
     for other in tree:
         if other not in cleared:
-            tree.nodes[other]["robots"] = never
+            tree.nodes[other]["robots"] = more_than_all
     cut_sets = CutSets(tree, convention)
     best, best_rank = None, ()
     for start in sorted(cleared):

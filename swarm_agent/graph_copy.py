@@ -1,7 +1,7 @@
 """A surveillance graph that every robot has a copy of: vertices, edges, lines, and how copies agree.
 
-Source: what is recorded, Kolling and Carpin, "Multi-robot pursuit-evasion without maps", section IV, who leave open
-how robots share it; versions and deltas are ours.
+Source: what is recorded is that of Kolling and Carpin, "Multi-robot pursuit-evasion without maps", 2010,
+section IV, who leave open how robots share it; versions and deltas are ours.
 """
 
 from typing import Annotated, Literal
@@ -131,8 +131,8 @@ class GraphCopy:
     def take(self, delta: Delta) -> bool:
         """Become the newer version, if the delta tells of one and fits to ours. Answers whether that was so.
 
-        Copies that tell each other what the other's version lacks all come to the newest there is: when a lost
-        line's robots go on with an older copy, what one of the two wrote since then is forgotten.
+        Copies that tell each other what the other's version lacks all come to the newest there is. When two
+        robots have written on from the same copy, what one of them wrote is forgotten.
         """
         if delta.version <= self.version or delta.since not in (NOTHING, self.version):
             return False

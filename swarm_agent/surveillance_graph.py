@@ -1,8 +1,9 @@
 """What a team knows of an unknown floor plan: the surveillance graph that its lines draw as they move.
 
-Vertices weigh the most robots that a line took there, edges the fewest that block between two vertices. A line
-always has exactly one unexplored vertex ahead, and that vertex takes up what the line meets: it becomes the
-vertex of a split, or of a region between two necks. So a split adds two vertices and passing a widest place one.
+Vertices weigh the most robots that a line took there, edges the fewest that block between two vertices. Until
+something is lost or given up, a line has exactly one unexplored vertex ahead, which takes up what the line
+meets: it becomes the vertex of a split, or of a region between two necks. So a split adds two vertices, and
+passing a widest place adds one.
 
 Source: Kolling and Carpin, "Multi-robot pursuit-evasion without maps", 2010, section IV. The paper makes
 the vertex ahead only when it is met; to make it before, what copies carry, and how they agree, are ours.
@@ -16,10 +17,10 @@ from swarm_agent.graph_copy import NO_LINE, Edge, GraphCopy, Kind, Moving, Verte
 
 
 class SurveillanceGraph(GraphCopy):
-    """One robot's copy. A robot of the main line tells it what happens; all others take what that robot says."""
+    """One robot's copy. A robot of the main line tells it what happens; others take what that one says."""
 
     def begin(self, robots: int, vertex: int | None = None) -> int:
-        """A first line forms: on new ground, or in a known vertex that is contaminated. Returns the vertex."""
+        """A first line forms: on new ground, or in a known contaminated vertex. Returns the vertex."""
         self._only_if(self.main is None, "there is a main line already")
         known = len(self.net) if vertex is None else vertex
         self._only_if(vertex is None or not self.vertex(known).clear, "a first line on clear ground")
@@ -41,7 +42,7 @@ class SurveillanceGraph(GraphCopy):
     def measure(self, robots: int) -> None:
         """The main line has so many robots now.
 
-        On unexplored ground fewer than ever become the blocking position, and fewer after more were needed mean
+        On unexplored ground, fewer than ever become the blocking position. Fewer after more were needed mean
         that the widest place is passed: its vertex is explored, and another one lies ahead.
         """
         main = self._moving()
@@ -109,7 +110,7 @@ class SurveillanceGraph(GraphCopy):
     def release(self, line: int | None) -> None:
         """A line is lost or abandoned, None: the main line. What it kept clear is contaminated.
 
-        Lines with contamination on both sides hold nothing: their robots are free, and they are lines no more.
+        Lines with contamination on both sides hold nothing: they are lines no more, their robots are free.
         """
         if line is None:
             self._leave(1)
@@ -120,7 +121,7 @@ class SurveillanceGraph(GraphCopy):
         self._flood()
 
     def retreat(self, cleared: Collection[int]) -> tuple[int, ...]:
-        """The lines went back, or were abandoned, until no more than `cleared` is clear. Returns their numbers."""
+        """The lines went back, or were abandoned, until only `cleared` is clear. Returns their numbers."""
         self._only_if(self.main is None, "the main line must have stopped")
         self._only_if(self.cleared() >= set(cleared), "a retreat clears nothing")
         self._event()
@@ -155,7 +156,7 @@ class SurveillanceGraph(GraphCopy):
         return vertex
 
     def _entries(self, vertex: int) -> list[Edge]:
-        """What the main line blocks in that vertex: the edges to clear vertices where no other line stands."""
+        """The edges that the main line blocks in that vertex: to clear ones, where no other line stands."""
         edges = (
             self.edge(vertex, beside) for beside in sorted(self.net[vertex]) if self.vertex(beside).clear
         )

@@ -1,22 +1,13 @@
-"""The surveillance graph: event by event by hand, under random events with a team beside it, and as copies."""
+"""The surveillance graph: event by event by hand, and under random events with a team beside it."""
 
-import msgspec
 import networkx
 import numpy as np
 import pytest
 
 from swarm_agent.graph_clear import held, plan
-from swarm_agent.graph_copy import NOTHING, Delta, Edge, Moving, Version, Vertex
+from swarm_agent.graph_copy import NOTHING, Edge, Moving, Vertex
 from swarm_agent.surveillance_graph import SurveillanceGraph
-
-
-def begun(*robots: int) -> SurveillanceGraph:
-    """A first line that had so many robots, one after the other."""
-    graph = SurveillanceGraph("r1")
-    graph.begin(robots[0])
-    for count in robots[1:]:
-        graph.measure(count)
-    return graph
+from tests.sweep_team import Team, begun
 
 
 def test_the_first_vertex_weighs_the_most_robots_of_the_first_line():
@@ -137,7 +128,7 @@ def test_with_the_main_line_goes_what_no_other_line_keeps_clear():
 
 
 def test_a_line_holds_what_is_behind_it_when_others_are_lost():
-    """0 and 3 are clear, 1 between them is not: without the line at 0, 3 is still held by its own."""
+    """0 and 2 are clear, 1 between them is not: when the line at 0 is lost, the other still holds 2."""
     graph = begun(4, 3)
     graph.measure(4)
     graph.measure(2)
@@ -216,84 +207,6 @@ def test_there_is_no_event_of_a_main_line_where_there_is_none():
     assert graph.version == NOTHING
 
 
-class Team:
-    """Robots on lines, counted on their own, that do at random what lines do; `stationary` by line."""
-
-    def __init__(self, chance: np.random.Generator) -> None:
-        self.chance = chance
-        self.graph = SurveillanceGraph("r1")
-        self.robots = self.some(2, 5)
-        self.graph.begin(self.robots)
-        self.stationary: dict[int, int] = {}
-        self.blocking = 0
-        """Of the main line: the fewest robots since its last vertex, 0 on the first ground."""
-
-    def some(self, fewest: int, most: int) -> int:
-        return int(self.chance.integers(fewest, most + 1))
-
-    def act(self) -> str:
-        """One random event; its name, or nothing when all is clear."""
-        if self.graph.main is None:
-            if not self.stationary:
-                return ""
-            line = sorted(self.stationary)[self.some(0, len(self.stationary) - 1)]
-            if self.some(0, 3) == 0 and self.stationary[line] > 1:
-                self.stationary[line] -= 1
-                self.graph.tighten(line, self.stationary[line])
-                return "tighten"
-            self.graph.activate(line)
-            self.robots = self.blocking = self.stationary.pop(line)
-            return "activate"
-        event = ("move", "move", "move", "split", "dissolve", "park", "meet")[self.some(0, 6)]
-        return getattr(self, event)()
-
-    def move(self) -> str:
-        """One robot more or less; after more and then fewer the line has a new vertex behind it."""
-        before, vertices = self.robots, len(self.graph.net)
-        self.robots = max(1, self.robots + (1 if self.some(0, 1) else -1))
-        self.graph.measure(self.robots)
-        narrowed = len(self.graph.net) > vertices
-        assert not narrowed or before > self.robots
-        if narrowed:
-            self.blocking = self.robots
-        elif self.blocking:
-            self.blocking = min(self.blocking, self.robots)
-        return "narrowing" if narrowed else "move"
-
-    def split(self) -> str:
-        left, right = self.some(1, self.robots), self.some(1, self.robots)
-        lines = self.graph.split(left, right)
-        self.stationary.update(zip(lines, (left, right), strict=True))
-        return "split"
-
-    def dissolve(self) -> str:
-        if len(self.graph.net) < 25 and not self.stationary:
-            return self.move()
-        assert self.graph.dissolve() == ()
-        return "dissolve"
-
-    def park(self) -> str:
-        if not self.blocking or self.merged():
-            return self.move()
-        (line,) = self.graph.park(self.robots)
-        self.stationary[line] = self.blocking
-        return "park"
-
-    def merged(self) -> bool:
-        swept = self.graph.main.vertex
-        return sum(self.graph.vertex(beside).clear for beside in self.graph.net[swept]) > 1
-
-    def meet(self) -> str:
-        if not self.stationary or not self.blocking:
-            return self.move()
-        line = min(self.stationary)
-        met = self.stationary.pop(line)
-        self.robots += met
-        self.blocking += met
-        self.graph.meet(line, self.robots)
-        return "meet"
-
-
 def check(team: Team) -> None:
     """What holds of a graph as long as no line is lost and nothing given up."""
     graph, net = team.graph, team.graph.net
@@ -319,7 +232,7 @@ def check(team: Team) -> None:
 def test_random_events_keep_every_line_before_one_unexplored_vertex_and_all_edges_blocked():
     chance = np.random.default_rng(1)
     seen: dict[str, int] = {}
-    for _ in range(120):
+    for _ in range(40):
         team = Team(chance)
         for _ in range(60):
             if not (event := team.act()):
@@ -328,7 +241,7 @@ def test_random_events_keep_every_line_before_one_unexplored_vertex_and_all_edge
             check(team)
     print(seen)
     assert (
-        min(seen.get(name, 0) for name in "activate tighten narrowing split dissolve park meet".split()) > 50
+        min(seen.get(name, 0) for name in "activate tighten narrowing split dissolve park meet".split()) > 30
     )
 
 
@@ -353,78 +266,3 @@ def test_after_any_loss_contamination_stops_only_at_lines():
             ends = {graph.vertex(edge.low).clear, graph.vertex(edge.high).clear}
             assert (len(ends) == 2) == bool(edge.line or (len(ends) == 2 and swept in (edge.low, edge.high)))
     assert lost > 50
-
-
-def same(one: SurveillanceGraph, other: SurveillanceGraph) -> bool:
-    return one.delta_since(NOTHING) == other.delta_since(NOTHING)
-
-
-def tell(speaker: SurveillanceGraph, listener: SurveillanceGraph) -> Delta:
-    """What the listener lacks goes over the wire to it."""
-    delta = speaker.delta_since(listener.version)
-    listener.take(msgspec.msgpack.decode(msgspec.msgpack.encode(delta), type=Delta))
-    return delta
-
-
-def test_a_delta_carries_what_has_changed_and_nothing_else():
-    graph, copy = begun(5, 4), SurveillanceGraph("r2")
-    assert tell(graph, copy).since == NOTHING
-    since = graph.version
-    left, _ = graph.split(3, 2)
-    graph.activate(left)
-    middle = graph.version
-    graph.measure(4)
-    delta = tell(graph, copy)
-    assert (delta.since, delta.version, delta.main) == (since, graph.version, Moving(2, 4))
-    assert [one.number for one in delta.vertices] == [1, 2, 3]
-    assert [(one.low, one.high) for one in delta.edges] == [(1, 2), (1, 3)]
-    assert same(graph, copy)
-    assert [one.number for one in graph.delta_since(middle).vertices] == [2]
-
-
-def test_what_does_not_fit_is_not_taken():
-    graph = begun(5, 4)
-    older = graph.version
-    graph.split(3, 2)
-    assert not SurveillanceGraph("r2").take(graph.delta_since(older))
-    assert not graph.take(graph.delta_since(NOTHING))
-    wild = Delta(NOTHING, Version(99, "r9"), 1, None, (Vertex(0, 1),), (Edge(0, 7, 1, "move"),))
-    assert not graph.take(wild)
-    assert graph.version == Version(3, "r1")
-    with pytest.raises(msgspec.ValidationError, match="not the lower one"):
-        msgspec.msgpack.decode(msgspec.msgpack.encode((3, 3, 1, "move", 0)), type=Edge)
-
-
-def test_copies_converge_by_version_whatever_is_lost_or_late():
-    """The main line's robot writes; anybody tells anybody; old deltas come again, and some never come."""
-    chance = np.random.default_rng(3)
-    for _ in range(20):
-        team = Team(chance)
-        copies = [team.graph, *(SurveillanceGraph(f"r{number}") for number in range(2, 7))]
-        late: list[Delta] = []
-        for _ in range(80):
-            team.act()
-            speaker, listener = (copies[team.some(0, 5)] for _ in range(2))
-            late.append(speaker.delta_since(listener.version))
-            before = listener.version
-            listener.take(late[team.some(0, len(late) - 1)])
-            assert listener.version >= before
-        for speaker, listener in zip(copies, copies[1:], strict=False):  # once along the chain
-            tell(speaker, listener)
-        assert all(same(team.graph, copy) for copy in copies)
-
-
-def test_a_copy_whose_writer_is_lost_is_written_on_and_the_newest_holds():
-    """Two go on from the same copy: of equally many events the later name's holds, and all come to it."""
-    first = begun(4)
-    left, right = first.split(3, 2)
-    second, third = SurveillanceGraph("r2"), SurveillanceGraph("r3")
-    tell(first, second)
-    tell(first, third)
-    second.activate(left)
-    third.activate(right)
-    assert third.version > second.version
-    assert tell(third, second).since == NOTHING
-    assert tell(second, first).version == third.version
-    assert same(first, third) and same(second, third)
-    assert first.main == Moving(2, 2)
