@@ -180,19 +180,15 @@ def fallback(
 ) -> State | None:
     """What to keep of `cleared` so that so many robots can sweep `vertex`: the largest area among the states.
 
-    The states are those that the cut sets of the known tree go through, from every start; vertices that are
-    not cleared come last there. One counts if sweeping `vertex` while it is held, and the retreat to it, take
-    no more than `robots`. Nothing cleared at all counts too: then lines are abandoned, which takes nobody. Of
-    equal areas (without `area_m2`: of equally many vertices) the one held by fewest. None: nothing suffices.
+    The states are those that the cut sets of the known tree go through, from every start, less what is not
+    cleared. One counts if sweeping `vertex` while it is held, and the retreat to it, take no more than
+    `robots`. Nothing cleared at all counts too: then lines are abandoned, which takes nobody. Of equal areas
+    (without `area_m2`: of equally many vertices) the one held by fewest. None: nothing suffices.
     """
     tree = networkx.maximum_spanning_tree(_contracted(graph, ()), weight="robots")
-    more_than_all = 1 + sum(weight for _, weight in graph.nodes(data="robots")) + graph.size("robots")
-    for other in tree:
-        if other not in cleared:
-            tree.nodes[other]["robots"] = more_than_all
     cut_sets = CutSets(tree, convention)
     best, best_rank = None, ()
-    for start in sorted(cleared):
+    for start in sorted(cleared) or [vertex]:
         order = [one for one in order_of(cut_sets.start(start)) if one in cleared]
         for state in _states(graph, order, convention):
             if step(graph, state.cleared, vertex, convention) > robots:

@@ -62,7 +62,7 @@ def test_interleaving_branches_can_save_a_robot():
 
 
 def test_the_fallback_keeps_the_end_of_the_path_that_needs_fewest():
-    """1-2-3 are clear beside 0; 4 takes 5 robots of 6: the line at the far end gives up 3 and holds less."""
+    """0-1-2-3 are clear; 4 takes 5 robots of 6: the line at the far end gives up 3 and holds less."""
     net = graph([2, 2, 2, 2, 5, 9], [(0, 1, 1), (1, 2, 2), (2, 3, 1), (0, 4, 1), (3, 5, 3)])
     kept = fallback(net, {0, 1, 2, 3}, vertex=4, robots=6)
     assert kept == ({0, 1, 2}, 2, (3,), 4)
@@ -70,6 +70,7 @@ def test_the_fallback_keeps_the_end_of_the_path_that_needs_fewest():
     assert fallback(net, {0, 1, 2, 3}, vertex=4, robots=8).given_up == ()
     assert fallback(net, {0, 1, 2, 3}, vertex=4, robots=5).cleared == frozenset()
     assert fallback(net, {0, 1, 2, 3}, vertex=4, robots=4) is None
+    assert fallback(net, (), vertex=4, robots=5) == (frozenset(), 0, (), 0)
 
 
 def test_the_fallback_counts_area_where_it_is_known():

@@ -185,6 +185,14 @@ def test_a_plan_goes_on_from_what_is_cleared_at_least_cost(convention):
     assert plan(net, set(net)) == (0, ())
 
 
+def test_what_is_reached_from_two_cleared_vertices_is_planned_with_both_edges():
+    """2 takes no more than already block it, so it comes before 3; by one edge alone it would come after."""
+    net = networkx.Graph([(0, 1, {"robots": 1}), (0, 2, {"robots": 3}), (1, 2, {"robots": 3})])
+    net.add_edge(0, 3, robots=1)
+    networkx.set_node_attributes(net, {0: 1, 1: 1, 2: 6, 3: 2}, "robots")
+    assert plan(net, {0, 1}) == (7, (2, 3))
+
+
 def test_a_large_graph_with_cycles_is_planned_along_a_spanning_tree():
     chance = np.random.default_rng(7)
     for _ in range(20):

@@ -69,16 +69,32 @@ def test_copies_converge_by_version_whatever_is_lost_or_late():
 
 
 def test_a_copy_whose_writer_is_lost_is_written_on_and_the_newest_holds():
-    """Two go on from the same copy: of equally many events the later name's holds, and all come to it."""
+    """Two go on from the same copy: what one wrote, new vertices too, is gone from all in the end."""
     first = begun(4)
     left, right = first.split(3, 2)
-    second, third = SurveillanceGraph("r2"), SurveillanceGraph("r3")
+    second, third, fourth = (SurveillanceGraph(name) for name in ("r2", "r3", "r4"))
     tell(first, second)
     tell(first, third)
     second.activate(left)
+    second.split(2, 2)
+    tell(second, fourth)
+    assert len(fourth.net) == 5
     third.activate(right)
+    third.measure(3)
+    third.measure(4)
     assert third.version > second.version
     assert tell(third, second).since == NOTHING
-    assert tell(second, first).version == third.version
-    assert same(first, third) and same(second, third)
-    assert first.main == Moving(2, 2)
+    assert tell(second, fourth).since == NOTHING
+    assert tell(fourth, first).version == third.version
+    assert all(same(copy, third) for copy in (first, second, fourth))
+    assert (first.main, len(first.net)) == (Moving(2, 4), 3)
+
+
+def test_of_equally_many_events_the_later_name_holds():
+    first, second = begun(4), SurveillanceGraph("r2")
+    tell(first, second)
+    first.measure(5)
+    second.measure(6)
+    assert not second.take(first.delta_since(NOTHING))
+    assert first.take(second.delta_since(NOTHING))
+    assert first.main == second.main == Moving(0, 6)
