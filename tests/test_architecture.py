@@ -81,7 +81,6 @@ PURE = (
     "tower/line_keeper.py",
     "deploy/metrics/*.py",
     "deploy/graph_file.py",
-    "deploy/graph_paths.py",
     "deploy/pattern_search.py",
     "deploy/scene.py",
     "deploy/scenes/*.py",
