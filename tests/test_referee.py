@@ -6,9 +6,12 @@ Both judge; the raster one is coarser, so that its tolerance is that of its cell
 import math
 from functools import partial
 
+import numpy as np
 import pytest
 import shapely
 
+from deploy.plan_file import PLANS, load_plan
+from world_server import chance
 from world_server.raster_referee import RasterReferee
 from world_server.referee import NOTHING_M2, Referee, Verdict
 
@@ -131,3 +134,24 @@ def test_a_pocket_behind_the_first_line_undoes_it(referee, within_m2):
     """Started 0.35 m from the end with a gap of 1.35 m, the middle of the end wall was never seen."""
     _, verdicts = driven(referee, shapely.box(0, 0, 10, 1.85), 0.35, (0.25, 1.6))
     assert verdicts[-1].contaminated_m2 == pytest.approx(16.29, abs=3 * within_m2)
+
+
+def test_both_referees_agree_on_the_cave():
+    """Twelve robots go about; cells of 5 cm make discs smaller by 3.6 cm all around, and no more."""
+    cave = load_plan(PLANS / "cave.wkt", None, 0.25, DETECT_M)
+    within, draw = cave.buffer(-0.25), chance.generator(1, "walk")
+    points_m = draw.uniform(0, 14.6, (200, 2))
+    places_m = [tuple(place) for place in points_m[shapely.contains_xy(within, points_m)][:12].tolist()]
+    alive = [True] * 12
+    exact, coarse = Referee(cave, DETECT_M, places_m, alive), COARSE(cave, DETECT_M, places_m, alive)
+    for _ in range(10):
+        ahead_m = np.array(places_m) + draw.normal(0, 0.03, (12, 2))
+        moves = shapely.contains_xy(within, ahead_m)
+        later_m = [
+            tuple(ahead) if free else place
+            for place, ahead, free in zip(places_m, ahead_m.tolist(), moves, strict=True)
+        ]
+        areas_m2 = [one.step(places_m, later_m, alive, alive).contaminated_m2 for one in (exact, coarse)]
+        places_m = later_m
+        smaller_discs_m2 = 12 * 2 * math.pi * DETECT_M * 0.036
+        assert -0.3 < areas_m2[1] - areas_m2[0] < smaller_discs_m2

@@ -64,7 +64,8 @@ def from_wkt(text: str) -> shapely.Polygon:
     if not POLYGON.match(text):
         raise PlanError(f"must begin with POLYGON, got {ascii(text[:20])}")
     try:
-        return _one_polygon(shapely.from_wkt(text))
+        with np.errstate(invalid="ignore"):  # what is not a number is refused as a point
+            return _one_polygon(shapely.from_wkt(text))
     except shapely.errors.ShapelyError as error:
         raise PlanError(f"must be the text of a polygon, but {_first_line(error)}") from None
 

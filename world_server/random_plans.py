@@ -1,6 +1,6 @@
 """Random floor plans: rooms on a grid, joined by corridors to a tree, and by one more for every island.
 
-Equal arguments give equal plans. Every plan passes world_server/plan_checks.py: it is drawn again until it does.
+Equal arguments give equal plans. Every plan passes world_server/plan_checks.py, or is drawn again.
 """
 
 from itertools import product
