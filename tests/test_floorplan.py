@@ -163,8 +163,8 @@ def test_a_wrong_bitmap_is_refused():
         ),
         (
             wedge(40),
-            "no corner may be sharper than 46 degrees (robots 0.25 m from walls must come within 0.64 m of it)"
-            ", but they come no nearer than 0.731 m to [0, 0]",
+            "no corner may be sharper than 46 degrees (robots 0.25 m from walls must come within 0.64 m "
+            "of it), but they come no nearer than 0.731 m to [0, 0]",
         ),
         (
             # A niche 0.3 m wide: robots pass its mouth, and do not see its end.

@@ -13,7 +13,7 @@ import shapely
 from deploy.plan_file import PLANS, load_plan
 from world_server import chance
 from world_server.raster_referee import RasterReferee
-from world_server.referee import NOTHING_M2, Referee, Verdict
+from world_server.referee import NOTHING_M2, Referee, Verdict, Watch
 
 DETECT_M = 0.7
 LENS_M = 0.6348  # integral of sqrt(0.49 - u^2) from -1/2 to 1/2
@@ -134,6 +134,16 @@ def test_a_pocket_behind_the_first_line_undoes_it(referee, within_m2):
     """Started 0.35 m from the end with a gap of 1.35 m, the middle of the end wall was never seen."""
     _, verdicts = driven(referee, shapely.box(0, 0, 10, 1.85), 0.35, (0.25, 1.6))
     assert verdicts[-1].contaminated_m2 == pytest.approx(16.29, abs=3 * within_m2)
+
+
+def test_a_way_through_a_wall_or_round_an_island_is_a_jump():
+    wall, pillar = shapely.box(3, 0, 3.1, 0.6), shapely.box(6.4, 0.5, 6.6, 0.52)
+    watch = Watch(CORRIDOR.difference(shapely.union_all([wall, pillar])))
+    assert watch.unbroken((2.0, 0.5), (2.01, 0.5))
+    assert watch.unbroken((2.0, 0.5), (2.0, 0.5))
+    assert not watch.unbroken((2.995, 0.5), (3.105, 0.5)), "through the wall"
+    assert not watch.unbroken((6.5, 0.6), (6.53, 0.6)), "as far as the pillar is wide"
+    assert Watch(CORRIDOR).unbroken((2.0, 0.5), (9.0, 0.5)), "where nothing can be gone around"
 
 
 def test_both_referees_agree_on_the_cave():

@@ -1,8 +1,8 @@
 """The referee on a grid of cells: the same rule as in world_server/referee.py, by other means.
 
 It shares nothing with the exact one but the rule and the judgement of jumps, so that each checks the other.
-A cell is in the plan if its centre is, and seen if its centre is, by half a diagonal within the range, so that
-all of it is in range. Contamination spreads to the four neighbours: cells that touch at a corner are a barrier.
+A cell is in the plan if its centre is, and seen if its centre is, by half a diagonal within the range, so
+that all of it is. Contamination spreads to the four neighbours: cells that touch at a corner are a barrier.
 """
 
 from collections.abc import Sequence

@@ -98,7 +98,7 @@ class Referee:
         self._lit = self._look(after_m, alive_after)
         watched = shapely.union_all(
             [
-                seen[before].intersection(self._seen[after])
+                seen[before] if before == after else seen[before].intersection(self._seen[after])
                 for before, after, *lives in zip(before_m, after_m, alive_before, alive_after, strict=True)
                 if all(lives) and before in seen and self._watch.unbroken(before, after)
             ]

@@ -35,16 +35,18 @@ class Sight:
         """
         if not shapely.intersects_xy(self._plan, *place):
             return shapely.Polygon()
-        starts, ways = self._near(np.asarray(place))
+        starts, ways = self._near(np.array(place))
         first = self._directions(starts, ways)
-        last = np.append(first[1:], first[0] + 2 * np.pi)
-        wall = _nearest(starts, ways, (first + last) / 2, self._range_m)
-        ends = np.stack((first, last), axis=1)
-        radii = np.full(ends.shape, self._range_m)
-        hit = wall >= 0
-        start, way = starts[wall[hit], None], ways[wall[hit], None]
-        radii[hit] = np.clip(_along(start, way, _unit(ends[hit])), 0, self._range_m)
-        return _polygon((_unit(ends) * radii[..., None]).reshape(-1, 2) + place)
+        last = np.concatenate((first[1:], first[:1]))
+        wall = _nearest(starts, ways, first + last, self._range_m)
+        hit = np.flatnonzero(wall >= 0)
+        start, way = starts[wall[hit]], ways[wall[hit]]
+        corners = np.empty((len(first), 2, 2))
+        for side, units in enumerate((first, last)):
+            corners[:, side] = self._range_m * units
+            away_m = np.clip(_along(start, way, units[hit]), 0.0, self._range_m)
+            corners[hit, side] = away_m[:, None] * units[hit]
+        return _polygon(corners.reshape(-1, 2) + place)
 
     def _near(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Walls within range, from their starts, seen from the place."""
@@ -55,39 +57,37 @@ class Sight:
         return starts[near], self._ways[near]
 
     def _directions(self, starts: np.ndarray, ways: np.ndarray) -> np.ndarray:
-        """All directions, sorted, where a wall begins, ends or crosses the range, and those of the ring."""
+        """Unit vectors, anticlockwise, to where walls begin, end or leave the range, and to the ring."""
         lengths2 = (ways**2).sum(axis=1)
         middle = -(starts * ways).sum(axis=1) / lengths2
         discriminant = middle**2 - ((starts**2).sum(axis=1) - self._range_m**2) / lengths2
         half = np.sqrt(np.maximum(discriminant, 0.0))
-        shares = np.clip(np.stack((middle - half, middle + half)), 0, 1)
-        points = (starts + shares[..., None] * ways).reshape(-1, 2)
+        shares = np.clip(np.concatenate((middle - half, middle + half)), 0.0, 1.0)
+        points = np.concatenate((starts, starts)) + shares[:, None] * np.concatenate((ways, ways))
         angles = np.concatenate((self._ring, np.arctan2(points[:, 1], points[:, 0])))
         angles.sort()
-        return angles[np.diff(angles, prepend=-np.inf) > NARROWEST_RAD]
+        angles = angles[np.concatenate(([True], angles[1:] - angles[:-1] > NARROWEST_RAD))]
+        return np.stack((np.cos(angles), np.sin(angles)), axis=1)
 
 
-def _nearest(starts: np.ndarray, ways: np.ndarray, angles: np.ndarray, range_m: float) -> np.ndarray:
+def _nearest(starts: np.ndarray, ways: np.ndarray, directions: np.ndarray, range_m: float) -> np.ndarray:
     """For each direction the number of the nearest wall within range, or -1."""
     if not len(starts):
-        return np.full(len(angles), -1)
-    units = _unit(angles)[:, None]
+        return np.full(len(directions), -1)
+    lengths = np.hypot(directions[:, 0], directions[:, 1])[:, None]
+    directions = directions[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        shares = _cross(starts, units) / _cross(units, ways)
-    distances = _along(starts, ways, units)
+        shares = _cross(starts, directions) / _cross(directions, ways)
+    distances = _along(starts, ways, directions) * lengths
     hit = (shares >= 0) & (shares <= 1) & (distances >= 0) & (distances < range_m)
     distances = np.where(hit, distances, np.inf)
     return np.where(hit.any(axis=1), distances.argmin(axis=1), -1)
 
 
-def _along(starts: np.ndarray, ways: np.ndarray, units: np.ndarray) -> np.ndarray:
-    """How far along unit vectors the lines of walls are; a line that is never crossed is no number."""
+def _along(starts: np.ndarray, ways: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """How many times a direction reaches the line of a wall; one that never does gives no number."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return _cross(starts, ways) / _cross(units, ways)
-
-
-def _unit(angles: np.ndarray) -> np.ndarray:
-    return np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+        return _cross(starts, ways) / _cross(directions, ways)
 
 
 def _cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -96,6 +96,6 @@ def _cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 def _polygon(points: np.ndarray) -> shapely.Polygon:
     """Where two sectors meet in a point, it is there twice. Rounding may cross a jump from wall to wall."""
-    steps = np.abs(np.diff(points, axis=0, prepend=points[-1:])).max(axis=1)
+    steps = np.abs(points - np.concatenate((points[-1:], points[:-1]))).max(axis=1)
     polygon = shapely.Polygon(points[steps > SAME_M])
     return polygon if polygon.is_valid else polygon.buffer(0)
