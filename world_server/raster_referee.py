@@ -1,0 +1,113 @@
+"""The referee on a grid of cells: the same rule as in world_server/referee.py, by other means.
+
+It shares nothing with the exact one but the rule and the judgement of jumps, so that each checks the other.
+A cell is in the plan if its centre is, and seen if its centre is, by half a diagonal within the range, so
+that all of it is. Contamination spreads to the four neighbours: cells that touch at a corner are a barrier.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from world_server.referee import Place, Places, Verdict, Watch
+
+HALF_DIAGONAL = 0.71  # of a cell
+LOOK_PER_CELL = 2
+UNCHECKED_CELLS = 1.5  # before the one looked at: walls of stairs would hide the cells along them
+FEWEST_ACROSS_RANGE = 14
+
+
+class RasterReferee:
+    """Keeps the contaminated cells; robots see `detect_m` far, not through walls.
+
+    A barrier of robots surely holds if no gap is wider than 2 (detect_m - step_m / 2 - 0.71 cell_m).
+    """
+
+    def __init__(
+        self,
+        plan: shapely.Polygon,
+        detect_m: float,
+        places_m: Places,
+        alive: Sequence[bool],
+        cell_m: float = 0.05,
+    ) -> None:
+        if cell_m > detect_m / FEWEST_ACROSS_RANGE * (1 + 1e-9):
+            raise ValueError(f"cell_m must be <= {detect_m / FEWEST_ACROSS_RANGE:.4g}, got {cell_m}")
+        self._cell_m, self._range_m = cell_m, detect_m - HALF_DIAGONAL * cell_m
+        self._watch = Watch(plan)
+        west_m, south_m, east_m, north_m = plan.bounds
+        self._margin = int(np.ceil(detect_m / cell_m)) + 1
+        self._origin = np.array([west_m, south_m]) - self._margin * cell_m
+        size = np.ceil(np.array([east_m - west_m, north_m - south_m]) / cell_m - 1e-9).astype(int)
+        columns, rows = size + 2 * self._margin
+        xs_m, ys_m = (
+            self._origin[axis] + (np.arange(n) + 0.5) * cell_m for axis, n in enumerate((columns, rows))
+        )
+        self._free = shapely.contains_xy(plan, *np.meshgrid(xs_m, ys_m, indexing="ij"))
+        self._seen: dict[Place, np.ndarray] = {}
+        self._lit = self._look(places_m, alive)
+        self._contaminated = self._free & ~self._lit
+
+    @property
+    def verdict(self) -> Verdict:
+        """The state, as a verdict in which nothing has changed."""
+        return Verdict(self._area_m2(self._contaminated), 0.0, 0.0)
+
+    def step(
+        self, before_m: Places, after_m: Places, alive_before: Sequence[bool], alive_after: Sequence[bool]
+    ) -> Verdict:
+        """One tick in which each robot went from one place to another; all in the same order of robots."""
+        seen, lit, contaminated = self._seen, self._lit, self._contaminated
+        self._lit = self._look(after_m, alive_after)
+        watched = np.zeros_like(self._free)
+        for before, after, *lives in zip(before_m, after_m, alive_before, alive_after, strict=True):
+            if all(lives) and before in seen and self._watch.unbroken(before, after):
+                watched.ravel()[np.intersect1d(seen[before], self._seen[after], assume_unique=True)] = True
+        self._contaminated = _flood(contaminated & ~watched, self._free & ~watched) & ~self._lit
+        lost = self._contaminated & ~contaminated
+        return Verdict(*map(self._area_m2, (self._contaminated, lost, lost & lit)))
+
+    def _area_m2(self, cells: np.ndarray) -> float:
+        return float(np.count_nonzero(cells) * self._cell_m**2)
+
+    def _look(self, places_m: Places, alive: Sequence[bool]) -> np.ndarray:
+        """The cells that living robots see; each place's view is kept until the next tick."""
+        known, self._seen = self._seen, {}
+        lit = np.zeros_like(self._free)
+        for place, lives in zip(places_m, alive, strict=True):
+            if lives:
+                self._seen[place] = known[place] if place in known else self._seen_from(np.array(place))
+                lit.ravel()[self._seen[place]] = True
+        return lit
+
+    def _seen_from(self, place: np.ndarray) -> np.ndarray:
+        """Numbers of the free cells in range to which the straight way is free."""
+        here = (place - self._origin) / self._cell_m
+        first = np.maximum(np.floor(here).astype(int) - self._margin, 0)
+        last = np.minimum(first + 2 * self._margin + 1, self._free.shape)
+        around = np.moveaxis(np.mgrid[first[0] : last[0], first[1] : last[1]], 0, -1).reshape(-1, 2)
+        ways = around + 0.5 - here
+        far = np.linalg.norm(ways, axis=1)
+        seen = (far <= self._range_m / self._cell_m) & self._free[tuple(around.T)]
+        around, ways, far = around[seen], ways[seen], far[seen]
+        checked = np.maximum(far - UNCHECKED_CELLS, 0.0) / np.maximum(far, 1e-12)
+        shares = np.linspace(0, 1, LOOK_PER_CELL * self._margin + 1) * checked[:, None]
+        looked_at = np.floor(here + shares[..., None] * ways[:, None]).astype(int)
+        clear = self._free[tuple(np.moveaxis(looked_at, -1, 0))].all(axis=1)
+        return np.ravel_multi_index(tuple(around[clear].T), self._free.shape)
+
+
+def _flood(sources: np.ndarray, open_cells: np.ndarray) -> np.ndarray:
+    """All open cells that can be reached from the sources through sides of cells.
+
+    Around the plan there is a margin of cells that are not open, so that neighbours by number are neighbours.
+    """
+    columns = open_cells.shape[1]
+    reached, open_cells = sources.copy().ravel(), open_cells.ravel()
+    rim = np.flatnonzero(reached)
+    while rim.size:
+        near = np.concatenate((rim - columns, rim - 1, rim + 1, rim + columns))
+        rim = np.unique(near[open_cells[near] & ~reached[near]])
+        reached[rim] = True
+    return reached.reshape(sources.shape)
