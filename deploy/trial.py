@@ -42,8 +42,7 @@ def main() -> None:
     else:
         fold, journalled = Fold(scenario), not given.lean or _keeps_memory(scenario)
         toml = (folder / "scenario.toml").read_text("utf-8")
-        watch = lambda commit, swarm: fold.take(commit)  # noqa: E731
-        end = rehearse(scenario, toml, folder, scenario.last_tick, watch, journalled)
+        end = rehearse(scenario, toml, folder, scenario.last_tick, lambda one, _: fold.take(one), journalled)
         fold.write(folder, end, folder.name, time.monotonic() - began, [])
     sys.stdout.flush()
     os._exit(0)  # Zenoh's threads may outlive a closed session

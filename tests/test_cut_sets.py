@@ -107,7 +107,6 @@ def test_the_fallback_keeps_what_the_team_can_hold_and_get_to():
             continue
         cases += 1
         kept_most += len(kept.cleared) == most
-    print(f"the largest area in {kept_most} of {cases}")
     assert kept_most > 0.9 * cases > 0
 
 

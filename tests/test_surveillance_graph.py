@@ -239,7 +239,6 @@ def test_random_events_keep_every_line_before_one_unexplored_vertex_and_all_edge
                 break
             seen[event] = seen.get(event, 0) + 1
             check(team)
-    print(seen)
     assert (
         min(seen.get(name, 0) for name in "activate tighten narrowing split dissolve park meet".split()) > 30
     )
