@@ -1,0 +1,474 @@
+"""Prototype: sweep lines."""
+import cmath, math
+import msgspec, numpy as np
+from swarm_agent.behaviour import Behaviour, Move, Parameters as Base
+from swarm_agent.geometry import clearance_m, nearest, roll, shortened, turn_rad, unit, NOTHING
+from swarm_agent.peers import Eye, Peers, number
+from swarm_agent.sweep_radio import Beacon, Flow, WALL, NOBODY
+from swarm_agent.surveillance_graph import SurveillanceGraph
+from swarm_agent.graph_copy import NOTHING as NO_VERSION
+
+class Shift(msgspec.Struct):
+    x_m: float
+    y_m: float
+
+DEAD=6
+class Parameters(Base):
+    follow_m: float = 1.0
+    obstacle_m: float = 0.25
+
+class SweepLine(Behaviour):
+    Parameters = Parameters
+    Radio = Beacon
+    def __init__(self, parameters, configuration, generator):
+        super().__init__(parameters, configuration, generator)
+        c=configuration
+        self.eye=Eye(c.field.rays, c.field.detect_m); self.me=number(c.node)
+        self.peers=Peers(self.me,self.eye); self.graph=SurveillanceGraph(c.node)
+        self.step_m=c.max_speed_m_s*c.tick_s; self.body=c.body_m
+        self.reach=c.field.detect_m-self.step_m/2-0.02
+        self.role='free'; self.left=self.right=NOBODY; self.old=set(); self.line=0; self.since=-1
+        self.contact=0j; self.pinned=self.halt=self.close=self.ready=False; self.stage=''
+        self.wall=0j; self.moved=0; self.ahead=0; self.rank=9999; self.tail=1; self.crumbs=[]; self.wait=0
+        self.from_left=self.from_right=None; self.in_left=self.in_right=None; self.angle=0.; self.open=True
+        self.event=''; self.claim=''; self.hand='left'; self.target=0; self.born=None; self.attached=False; self.obstacle=None
+    def describe(self):
+        return dict(role=self.role,l=self.left,r=self.right,old=self.old,line=self.line,halt=self.halt,pin=self.pinned,close=self.close,ready=self.ready,open=self.open,ahead=self.ahead,rank=self.rank,tail=self.tail,ang=round(math.degrees(self.angle)),moved=self.moved,stage=self.stage,il=self.in_left and (self.in_left.count,self.in_left.moved,self.in_left.open,self.in_left.halt),ir=self.in_right and (self.in_right.count,self.in_right.moved,self.in_right.open,self.in_right.halt),claim=self.claim,g=(self.graph.version.events,self.graph.main))
+    # ------------------------------------------------------------- step
+    def step(self, percept, heard):
+        self.tick=percept.tick
+        if self.born is None: self.born=percept.tick
+        s=percept.senses
+        self.peers.take(percept.tick, complex(*s.odometry_m), heard)
+        self.known={n:p for n,p in self.peers.known.items() if self.tick-p.tick<=DEAD}
+        self.peers.known=self.known
+        self.here=self.peers.here
+        self.ranges=np.frombuffer(s.scan,'<f4').astype(float)
+        seen=np.isfinite(self.ranges)
+        self.hits=self.here+self.ranges[seen]*self.eye.units[seen]
+        self._margins={}
+        for p in self.known.values():
+            if p.beacon.delta is not None: self.graph.take(p.beacon.delta)
+        self.event=''
+        if self.role in('leader','centre','join','leave'):
+            self._links()
+        if self.role in('leader','centre','join','leave'):
+            self._look(); self._flows(); self._events()
+        self._flows_out()
+        way=self._motion()
+        if abs(way)>1e-6:
+            self.moved=self.tick
+        return Move(motion=Shift(way.real,way.imag), say=(self._beacon(),), wake_tick=self.tick+1)
+    def _beacon(self):
+        old=[p.beacon.version for p in self.known.values() if p.beacon.version<self.graph.version]
+        delta=self.graph.delta_since(min(old)) if old else None
+        w=(self.contact if self.role=='leader' else self.wall)-self.here
+        return Beacon(self.role,self.line,self.since,self.left,self.right,self.ahead,self.rank,self.tail,self.eye.packed(self.ranges),self.peers.measured,self.from_left,self.from_right,self.pinned,self.close,self.ready,w.real,w.imag,self.graph.version,delta,self.stage)
+    @property
+    def on_line(self): return self.role in('leader','centre','leave')
+    def peer(self,n): return self.known.get(n)
+    # ------------------------------------------------------------- links
+    def _walls(self,p):
+        return np.concatenate((self.hits,p.hits(self.eye)))
+    def _margin(self,a,b,walls):
+        """how well the link a (left) - b (right) holds."""
+        d=abs(b-a)
+        if d<1e-9: return self.reach
+        n=1j*(b-a)/d; mid=(a+b)/2; best=-9.
+        for k in range(7):
+            via=mid+n*0.08*k
+            m=min(self.reach-abs(via-a), self.reach-abs(via-b))
+            if m<=best: break
+            m=min(m, clearance_m(walls,a,via)-0.06, clearance_m(walls,via,b)-0.06)
+            best=max(best,m)
+            if best>=self.step_m: break
+        return best
+    def _link(self,p,side,at=None):
+        at=self.here if at is None else at
+        w=self._walls(p)
+        return self._margin(p.here,at,w) if side=='left' else self._margin(at,p.here,w)
+    def _side_of(self,n):
+        if n==self.left: return 'left'
+        if n==self.right: return 'right'
+        return self.old_side.get(n,'left')
+    old_side={}
+    def _links(self):
+        for n in list(self.old):
+            p=self.peer(n)
+            if p is None or (p.beacon.left!=self.me and p.beacon.right!=self.me): self.old.discard(n)
+        if self.role=='join':
+            a,b=self.peer(self.left),self.peer(self.right)
+            if a and b and a.beacon.right==self.me and b.beacon.left==self.me: self.role='centre'; self.line,self.since=a.beacon.line,a.beacon.since; self.ahead=0;self.rank=9999
+            elif self.tick-self.wait>12 or not a or not b or a.beacon.right not in(self.me,self.right) or b.beacon.left not in(self.me,self.left): self._to_file()
+            return
+        if self.role=='leave':
+            a,b=self.peer(self.left),self.peer(self.right)
+            if a and b and a.beacon.right==self.right and b.beacon.left==self.left: self._to_file(); return
+            if self.tick-self.wait>12 : self.role='centre'
+        for side in('left','right'):
+            n=getattr(self,side)
+            if n in(NOBODY,WALL): continue
+            p=self.peer(n)
+            if p is None: self._lost(side,n); return
+            b=p.beacon
+            back=b.right if side=='left' else b.left
+            onward=b.left if side=='left' else b.right
+            if back==WALL and side=='right' and b.pinned is False and b.stage=='closed' or b.role in('file','free') and b.stage=='gone':
+                self._dissolved(); return
+            if b.role=='leave' and self.role!='leave' and onward>0 and back==self.me:
+                z=self.peer(onward)
+                if z and self._link(z,side)>=self.step_m and abs(z.here-self.here)<=self.parameters.follow_m:
+                    self._replace(side,n,onward)
+                continue
+            for x in self.known.values():
+                xb=x.beacon
+                if xb.role=='join' and (xb.left,xb.right)==((n,self.me) if side=='left' else (self.me,n)) and self.role!='leave':
+                    if self._link(x,side)>=0.02 and not self.ready:
+                        self._replace(side,n,x.number); break
+            else:
+                # neighbour not confirming: revert where it turned out to be no neighbour
+                if back!=self.me and b.role in('file','free') :
+                    # joiner gave up, or it left: find who names us
+                    for z in self.known.values():
+                        if z.beacon.role in('leader','centre','leave') and (z.beacon.right if side=='left' else z.beacon.left)==self.me and z.number!=n:
+                            self._replace(side,n,z.number); break
+                elif back not in(self.me,) and b.role in('leader','centre'):
+                    for z in self.known.values():
+                        if z.number!=n and z.beacon.role in('leader','centre') and (z.beacon.right if side=='left' else z.beacon.left)==self.me and self.tick-self.wait>6:
+                            self._replace(side,n,z.number); break
+            if b.since>self.since and back==self.me: self.line,self.since=b.line,b.since
+        if self.role=='centre' and self.left>0 and self.right>0:
+            a,b=self.peer(self.left),self.peer(self.right)
+            if a and b and a.beacon.right==self.right and b.beacon.left==self.left: self._to_file(); return
+    def _replace(self,side,n,new):
+        self.old.add(n); self.old_side=dict(self.old_side); self.old_side[n]=side
+        setattr(self,side,new)
+    def _to_file(self):
+        self.role='file'; self.left=self.right=NOBODY; self.old=set(); self.pinned=self.halt=self.close=self.ready=False; self.stage=''; self.crumbs=[]; self.ahead=0; self.rank=9999; self.hand='left'; self.from_left=self.from_right=None; self.attached=False
+        self.contact=nearest(self.hits,self.here) if len(self.hits) else self.here
+    def _dissolved(self):
+        h='left'
+        self._to_file(); self.stage='gone'; self.gone=self.tick
+    def _lost(self,side,n):
+        self.event='lost %d'%n
+    # ------------------------------------------------------------- looking
+    def _look(self):
+        P=self.known
+        lw=(self.contact-self.here) if self.left==WALL else (P[self.left].here-self.here if self.left in P else 1+0j)
+        rw=(self.contact-self.here) if self.right==WALL else (P[self.right].here-self.here if self.right in P else 1+0j)
+        self.lw,self.rw=lw,rw
+        n=self.eye.rays
+        first=self.eye.ray(lw); m=round(turn_rad(lw,rw,'right')/math.tau*n)
+        idx=(first-np.arange(m+1))%n
+        r=self.ranges[idx]; fin=np.isfinite(r)
+        ends=self.here+np.where(fin,r,self.eye.detect_m)*self.eye.units[idx]
+        crew=[p for p in P.values() if p.beacon.role in('leader','centre','leave')]
+        def covered(pts):
+            out=np.zeros(len(pts),bool)
+            for p in crew: 
+                if abs(p.here-self.here)<2*self.eye.detect_m: out|=p.sees(self.eye,pts)
+            return out
+        frontier=~fin & ~covered(ends)
+        gaps=np.abs(np.diff(ends)); big=np.flatnonzero((gaps>0.12)&(fin[1:]|fin[:-1]))
+        for k in big:
+            t=np.array([.2,.4,.6,.8]); pts=ends[k]+t*(ends[k+1]-ends[k])
+            if not covered(pts).all(): frontier[k]=True
+        self.idx,self.fin,self.ends,self.frontier=idx,fin,ends,frontier
+        # own wall of a leader
+        own=np.zeros(len(idx),bool)
+        if self.role=='leader':
+            order=range(len(idx)) if self.left==WALL else range(len(idx)-1,-1,-1)
+            last=None
+            for k in order:
+                if not fin[k] : 
+                    if last is None and abs(self.eye.units[idx[k]]-unit(lw if self.left==WALL else rw))<0.2: continue
+                    break
+                if last is not None and abs(ends[k]-ends[last])>0.12: break
+                own[k]=True; last=k
+        self.own=own
+        self.open=bool((frontier&~own).any()) if self.role!='leader' else bool(frontier.any())
+        # obstacles ahead
+        half=[self.here]
+        if self.left>0: half.insert(0,(self.here+self.here+lw)/2)
+        if self.right>0: half.append((self.here+self.here+rw)/2)
+        front=np.flatnonzero(fin&~own)
+        self.obstacle=None
+        if len(front):
+            pts=ends[front]
+            d=np.full(len(pts),9.)
+            for a,b in zip(half[:-1],half[1:]):
+                way=b-a; t=np.clip(((pts-a)*way.conjugate()).real/max(abs(way)**2,1e-12),0,1); d=np.minimum(d,np.abs(pts-a-t*way))
+            k=int(d.argmin())
+            # hits right at the side directions belong to walls behind
+            if d[k]<=self.parameters.obstacle_m+0.02: self.obstacle=front[k]
+    # ------------------------------------------------------------- flows
+    def _flows(self):
+        l=self.peer(self.left) if self.left>0 else None; r=self.peer(self.right) if self.right>0 else None
+        self.in_left=l.beacon.from_left if l and l.beacon.right==self.me else None
+        self.in_right=r.beacon.from_right if r and r.beacon.left==self.me else None
+    def _flows_out(self):
+        if not self.on_line: self.from_left=self.from_right=None; return
+        mine=dict(moved=self.moved,open=self.open,halt=self.halt,pinned=self.pinned or self.close)
+        if self.left==WALL: self.from_left=Flow(1,angle_rad=self.angle,leader=self.me,**mine)
+        elif self.in_left:
+            f=self.in_left; self.from_left=Flow(f.count+1,max(f.moved,self.moved),f.open or self.open,f.halt or self.halt,f.pinned or mine['pinned'],f.angle_rad,0,f.leader)
+        else: self.from_left=None
+        if self.right==WALL: self.from_right=Flow(1,angle_rad=self.angle,leader=self.me,spare=self._spare(),**mine)
+        elif self.in_right:
+            f=self.in_right; self.from_right=Flow(f.count+1,max(f.moved,self.moved),f.open or self.open,f.halt or self.halt,f.pinned or mine['pinned'],f.angle_rad,f.spare,f.leader)
+        else: self.from_right=None
+    def _spare(self):
+        return max((p.beacon.tail for p in self.known.values() if p.beacon.role=='file' and p.beacon.ahead==self.me),default=0)
+    @property
+    def count(self):
+        return 1+(self.in_left.count if self.in_left else 0)+(self.in_right.count if self.in_right else 0)
+    def _whole(self):
+        return (self.left==WALL or self.in_left is not None) and (self.right==WALL or self.in_right is not None)
+    def quiet(self):
+        if not self._whole() or self.old: return False
+        m=max([self.moved]+[f.moved for f in(self.in_left,self.in_right) if f])
+        return self.tick-m>2*self.count+4
+    def halted(self):
+        return self.halt or any(f.halt for f in(self.in_left,self.in_right) if f)
+    def any_pinned(self):
+        return self.pinned or self.close or any(f.pinned for f in(self.in_left,self.in_right) if f)
+    # ------------------------------------------------------------- events
+    def _events(self):
+        main=self.is_main()
+        if self.role=='leader' and self.right==WALL:
+            if not self.open and (self.in_left is None or not self.in_left.open) and self.left!=WALL:
+                self.halt=True
+                if self.quiet() and self.in_left and not self.in_left.open:
+                    self._finish(); return
+            else:
+                self.halt=False
+        if self.role=='leader':
+            self.close=self.obstacle is not None
+            return
+        if self.role!='centre': self.halt=False; return
+        # ready: left neighbour pinned and we see its wall
+        self.ready=False
+        l=self.peer(self.left)
+        if l and l.beacon.pinned and l.beacon.right==self.me:
+            w=l.here+l.turn*l.beacon.wall
+            if self._sees(w):
+                self.ready=True; self.wall=w
+        if l and l.beacon.right==WALL and l.beacon.stage=='cut' and self.wall:
+            self.left=WALL; self.contact=self.wall; self.role='leader'; self.line=l.beacon.line+1; self.since=l.beacon.since; self.stage=''; self.ready=False; self.pinned=False; self.halt=False
+            return
+        if self.obstacle is None:
+            self.halt=False; 
+            if self.pinned and not self._sees(self.wall): self.pinned=False
+            if not self.pinned: return
+        if self.obstacle is not None and not self.pinned:
+            self.wall=complex(self.ends[self.obstacle]); self.halt=True
+        if self.pinned:
+            r=self.peer(self.right)
+            if r and r.beacon.ready and r.beacon.left==self.me and not self.old:
+                self._cut(r); return
+        if self.quiet():
+            kw=int(np.argmin(np.abs(self.ends-self.wall)+(~self.fin)*9))
+            lo=(self.in_left.open) or bool(self.frontier[:kw].any()); ro=(self.in_right.open) or bool(self.frontier[kw:].any())
+            if lo and ro: self.pinned=True; self.halt=False
+            elif lo or ro:
+                self.pinned=self.halt=False; self.role='leader'; self.contact=self.wall; self.stage='closed'
+                if ro: self.left=WALL
+                else: self.right=WALL
+                self.event='shift'
+    def _sees(self,w):
+        d=abs(w-self.here)
+        if d>0.6: return False
+        r=self.ranges[[self.eye.ray(w-self.here)-1,self.eye.ray(w-self.here),(self.eye.ray(w-self.here)+1)%self.eye.rays]]
+        return bool(r.max()>=d-0.05)
+    def _cut(self,r):
+        nl=(self.in_left.count if self.in_left else 0)+1; nr=self.in_right.count
+        l,rr=self.graph.split(nl,nr)
+        self.graph.activate(l if nl>=nr else rr)
+        self.line,self.since=l,self.tick
+        self.right=WALL; self.contact=self.wall; self.role='leader'; self.stage='cut'; self.pinned=self.halt=False
+        self.event='split'
+    def _finish(self):
+        self.graph.dissolve() if self.is_main() else None
+        self.event='dissolve'
+        self._dissolved()
+        if self.graph.main is None and not self.graph.lines(): self.claim='done'
+    def is_main(self):
+        return self.graph.main is not None and self.graph.main.line==self.line
+    # ------------------------------------------------------------- motion
+    def _motion(self):
+        if self.role=='free': return self._form()
+        if self.role=='leader': return self._lead()
+        if self.role in('centre','leave'): return self._keep()
+        if self.role=='join': return 0j
+        return self._file()
+    def _respected(self):
+        for n in {self.left,self.right}|self.old:
+            if n>0 and n in self.known: yield self.known[n], self._side_of(n)
+    def _ok(self,way,barrier=True,wall_m=0.13):
+        at=self.here+way
+        if barrier:
+            for p,side in self._respected():
+                m=self._link(p,side,at)
+                if m<self.step_m:
+                    now=self._margins.get(p.number)
+                    if now is None: now=self._margins[p.number]=self._link(p,side)
+                    if m<now-1e-6 : return False
+        if len(self.hits):
+            d=np.abs(self.hits-at).min()
+            if d<wall_m and d<np.abs(self.hits-self.here).min()-1e-9: return False
+        for p in self.known.values():
+            d=abs(p.here-at)
+            if d<self.body+0.03 and d<abs(p.here-self.here): return False
+        return True
+    def _best(self,way,**k):
+        """The nearest allowed way to the wanted one."""
+        if abs(way)<1e-6: return 0j
+        way=shortened(way,self.step_m)
+        for size in(1.,.5):
+            for turn in(0,30,-30,60,-60,85,-85):
+                w=way*size*cmath.rect(1,math.radians(turn))*(1 if turn==0 else math.cos(math.radians(turn)))
+                if abs(w)>0.004 and self._ok(w,**k): return w
+        return 0j
+    def _lead(self):
+        hand='left' if self.left==WALL else 'right'
+        # keep track of the contact
+        if len(self.hits):
+            near=self.hits[np.abs(self.hits-self.contact)<=0.15]
+            c=nearest(near,self.here)
+            self.contact=c if c is not None else nearest(self.hits,self.here)
+        bodies=np.array([p.here for p in self.known.values() if p.beacon.role in('file','free') and abs(p.here-self.here)<0.36],dtype=complex)
+        keep=max(self.parameters.obstacle_m,min(abs(self.contact-self.here)-0.3*self.step_m,0.45))
+        way,contact=roll(self.here,np.concatenate((self.hits,bodies)),self.contact,hand,keep,self.step_m)
+        u=self.rw if hand=='left' else self.lw
+        a=turn_rad(u,way,hand) if abs(u)>1e-9 else 0.
+        self.angle=0. if a>1.8*math.pi else a
+        if self.halted() or self.close: return 0j
+        other=(self.in_right if hand=='left' else self.in_left)
+        if other is None: return 0j
+        shorten=self.angle<math.pi/2-0.02
+        if not shorten and (self.any_pinned() or not self.is_main() or self.angle>other.angle_rad+0.01): return 0j
+        sign=-1 if hand=='left' else 1
+        for turn in (0,20,40,60,80,100):
+            w=way*cmath.rect(1,sign*math.radians(turn))
+            for f in(1.,.5,.2):
+                if self._ok(w*f,wall_m=0.1):
+                    if f==1. and turn==0: self.contact=contact
+                    return w*f
+        return 0j
+    def _keep(self):
+        a,b=self.peer(self.left),self.peer(self.right)
+        if not a or not b or self.pinned or self.halted() or self.ready: return 0j
+        f=self.parameters.follow_m
+        if self.role=='centre' and a.beacon.role!='leave' and b.beacon.role!='leave' and not self.old:
+            d=abs(a.here-b.here)
+            if d<=f-0.1 and a.beacon.right==self.me and b.beacon.left==self.me and not b.beacon.close and not a.beacon.pinned and not a.beacon.close and self._margin(a.here,b.here,np.concatenate((self._walls(a),b.hits(self.eye))))>=self.step_m:
+                self.role='leave'; self.wait=self.tick
+        space=0.25 if a.beacon.pinned or a.beacon.close else f
+        A,B=a.here,b.here
+        A=self._via(A,self.here,self._walls(a),A); B=self._via(self.here,B,self._walls(b),B)
+        used=abs(A-a.here); length=abs(B-A)
+        arc=space-used
+        most=length-(0.25 if B==b.here else 0.)
+        if b.beacon.close and b.beacon.role=='leader': arc=max(arc,min(most-0.05,1.1))
+        arc=min(max(arc,0.),max(most,0.))
+        if A==a.here: arc=max(arc,min(0.25,length/2))
+        target=A+(B-A)*(arc/length) if length>1e-9 else self.here
+        way=target-self.here
+        if abs(way)<0.025: return 0j
+        return self._best(way)
+    def _via(self,a,b,walls,end):
+        """The point the taut link goes through next to `end`; `end` if it is straight."""
+        d=abs(b-a)
+        if d<1e-9: return end
+        n=1j*(b-a)/d; mid=(a+b)/2
+        for k in range(7):
+            via=mid+n*0.08*k
+            if min(clearance_m(walls,a,via),clearance_m(walls,via,b))>=0.06+self.step_m: return end if k==0 else via
+        return end
+    # ------------------------------------------------------------- forming
+    def _form(self):
+        for p in self.known.values():
+            if p.beacon.role=='leader' and p.beacon.right==self.me:
+                return self._second(p)
+            if p.beacon.role=='leader' and p.beacon.left==WALL and p.beacon.right>0 and self.peer(p.beacon.right) and self.peer(p.beacon.right).beacon.left==p.number:
+                self._to_file(); return 0j
+        if self.tick-self.born<6: return 0j
+        def wall(r): 
+            r=r[np.isfinite(r)]; return round(float(r.min()),2) if len(r) else 9.
+        mine=(wall(self.ranges),self.me)
+        for p in self.known.values():
+            p.hits(self.eye)
+            if p.beacon.role=='leader' or (wall(p.ranges_m),p.number)<mine: return 0j
+        if mine[0]>self.parameters.obstacle_m+0.02:
+            c=nearest(self.hits,self.here)
+            return shortened(c-self.here,self.step_m) if c is not None else 0j
+        # anchor
+        self.contact=nearest(self.hits,self.here); out=unit(self.here-self.contact); spot=self.here-1j*out*0.3
+        b=min(self.known.values(),key=lambda p:abs(p.here-spot))
+        self.role='leader'; self.left=WALL; self.right=b.number; self.stage='form'
+        return 0j
+    def _second(self,p):
+        w=p.here+p.turn*p.beacon.wall; out=unit(p.here-w); spot=p.here-1j*out*0.3
+        c=nearest(self.hits,self.here)
+        if c is not None and abs(c-self.here)<0.4 and abs(p.here-self.here)<0.55 and ((self.here-p.here)/(-1j*out)).real>0.1:
+            self.role='leader'; self.left=p.number; self.right=WALL; self.contact=c; self.moved=self.tick
+            self.graph.begin(2)
+            return 0j
+        return self._best(spot-self.here,barrier=False)
+    # ------------------------------------------------------------- file
+    def _file(self):
+        push=0j
+        for p in self.known.values():
+            if p.beacon.role in('leader','centre','leave','join'):
+                v=self.here-p.here
+                if abs(v)<0.36: push+=unit(v)*(0.38-abs(v))
+        if self.role=='file' and push:
+            way=self._best(unit(push)*self.step_m,barrier=False)
+            if way: return way
+        R=None
+        for p in self.known.values():
+            if p.beacon.role=='leader' and p.beacon.right==WALL and self.graph.main and p.beacon.line==self.graph.main.line: R=p
+        leader=R
+        # whom to follow
+        cand=[]
+        if R and abs(R.here-self.here)<0.9: cand.append((0,abs(R.here-self.here),R))
+        for p in self.known.values():
+            if p.beacon.role=='file' and p.beacon.rank<9000 and p.beacon.ahead!=self.me and abs(p.here-self.here)<1.2: cand.append((p.beacon.rank,abs(p.here-self.here),p))
+        taken={p.beacon.ahead:p for p in self.known.values() if p.beacon.role=='file' and p.beacon.ahead}
+        self.tail=1+max((p.beacon.tail for p in self.known.values() if p.beacon.role=='file' and p.beacon.ahead==self.me),default=0)
+        self.tail=min(self.tail,50)
+        def free(p):
+            t=taken.get(p.number); return t is None or t.number==self.me or (t.number>self.me and self.ahead==p.number)
+        cur=self.peer(self.ahead) if self.ahead else None
+        if cur is None or cur.beacon.role not in('leader','file') or not free(cur) or (cur.beacon.role=='file' and cur.beacon.rank>=min(self.rank,9000)) or (cur.beacon.role=='leader' and cur is not R) or abs(cur.here-self.here)>1.6:
+            ok=[c for c in cand if free(c[2]) and (c[0]<self.rank or self.rank>=9000) ]
+            cur=min(ok,key=lambda c:(c[1],c[0]))[2] if ok else None
+            self.crumbs=[]
+        self.ahead=cur.number if cur else 0
+        self.rank=(0 if cur.beacon.role=='leader' else cur.beacon.rank)+1 if cur else 9999
+        if cur is None:
+            return self._travel()
+        # insertion
+        if cur is R and self.role=='file':
+            c=self.peer(R.beacon.left) if R.beacon.left>0 else None
+            f=self.parameters.follow_m
+            if c and c.beacon.right==R.number and c.beacon.role!='leave' and (abs(c.here-R.here)>f or R.beacon.close):
+                if self._link(c,'left')>=0.02 and self._link(R,'right')>=0.02:
+                    self.role='join'; self.left,self.right=c.number,R.number; self.wait=self.tick; self.old=set(); self.moved=self.tick
+                    return 0j
+                mid=(c.here+R.here)/2
+                return self._best(mid-self.here,barrier=False)
+        if not self.crumbs or abs(self.crumbs[-1]-cur.here)>0.04: self.crumbs.append(cur.here)
+        d=abs(cur.here-self.here)
+        if d<=0.35:
+            self.crumbs=self.crumbs[-1:]
+            if d<0.26: return self._best(unit(self.here-cur.here)*0.03,barrier=False)
+            return 0j
+        goal=self.crumbs[0]
+        for k in range(len(self.crumbs)-1,-1,-1):
+            if abs(self.crumbs[k]-self.here)<=0.6 and clearance_m(self.hits,self.here,self.crumbs[k])>=0.12:
+                goal=self.crumbs[k]; self.crumbs=self.crumbs[k:]; break
+        if abs(goal-self.here)<0.05 and len(self.crumbs)>1: self.crumbs.pop(0)
+        return self._best(goal-self.here,barrier=False)
+    def _travel(self):
+        return 0j
