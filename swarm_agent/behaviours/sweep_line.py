@@ -113,7 +113,7 @@ class SweepLine(Behaviour):
             b=p.beacon
             back=b.right if side=='left' else b.left
             onward=b.left if side=='left' else b.right
-            if back==WALL and side=='right' and b.pinned is False and b.stage=='closed' or b.role in('file','free') and b.stage=='gone':
+            if back==WALL and b.stage=='closed' or b.role in('file','free') and b.stage=='gone':
                 self._dissolved(); return
             if b.role=='leave' and self.role!='leave' and onward>0 and back==self.me:
                 z=self.peer(onward)
@@ -431,7 +431,7 @@ class SweepLine(Behaviour):
         leader=R
         # whom to follow
         cand=[]
-        if R and abs(R.here-self.here)<0.9: cand.append((0,abs(R.here-self.here),R))
+        if R and (abs(R.here-self.here)<0.6 or clearance_m(np.concatenate((self.hits,R.hits(self.eye))),self.here,R.here)>=0.13): cand.append((0,abs(R.here-self.here),R))
         for p in self.known.values():
             if p.beacon.role=='file' and p.beacon.rank<9000 and p.beacon.ahead!=self.me and abs(p.here-self.here)<1.2: cand.append((p.beacon.rank,abs(p.here-self.here),p))
         taken={p.beacon.ahead:p for p in self.known.values() if p.beacon.role=='file' and p.beacon.ahead}
@@ -440,7 +440,7 @@ class SweepLine(Behaviour):
         def free(p):
             t=taken.get(p.number); return t is None or t.number==self.me or (t.number>self.me and self.ahead==p.number)
         cur=self.peer(self.ahead) if self.ahead else None
-        if cur is None or cur.beacon.role not in('leader','file') or not free(cur) or (cur.beacon.role=='file' and cur.beacon.rank>=min(self.rank,9000)) or (cur.beacon.role=='leader' and cur is not R) or abs(cur.here-self.here)>1.6:
+        if cur is None or cur.beacon.role not in('leader','file') or not free(cur) or (cur.beacon.role=='file' and cur.beacon.rank>=min(self.rank,9000)) or (cur.beacon.role=='leader' and cur is not R) or abs(cur.here-self.here)>1.9:
             ok=[c for c in cand if free(c[2]) and (c[0]<self.rank or self.rank>=9000) ]
             cur=min(ok,key=lambda c:(c[1],c[0]))[2] if ok else None
             self.crumbs=[]
@@ -470,5 +470,29 @@ class SweepLine(Behaviour):
                 goal=self.crumbs[k]; self.crumbs=self.crumbs[k:]; break
         if abs(goal-self.here)<0.05 and len(self.crumbs)>1: self.crumbs.pop(0)
         return self._best(goal-self.here,barrier=False)
+    def _lines_seen(self):
+        """Lines of robots as walls: places along their links, and from leaders to their walls."""
+        out=[]
+        for p in self.known.values():
+            if p.beacon.role not in('leader','centre','leave'): continue
+            ends=[p.beacon.right] if p.beacon.right>0 else []
+            for n in ends:
+                q=self.peer(n)
+                if q: out.append(p.here+np.linspace(0,1,12)*(q.here-p.here))
+            if p.beacon.role=='leader': out.append(p.here+np.linspace(0,1,5)*p.turn*p.beacon.wall)
+        return np.concatenate(out) if out else NOTHING
     def _travel(self):
-        return 0j
+        if self.graph.main is None and not self.graph.lines(): return 0j
+        walls=np.concatenate((self.hits,self._lines_seen()))
+        if not len(walls): 
+            return shortened(self.contact-self.here,self.step_m)
+        near=walls[np.abs(walls-self.contact)<=0.2]
+        c=nearest(near,self.here)
+        self.contact=c if c is not None else nearest(walls,self.here)
+        keep=max(0.2,min(abs(self.contact-self.here)-0.3*self.step_m,0.45))
+        way,contact=roll(self.here,walls,self.contact,self.hand,keep,self.step_m)
+        for f in(1.,.5):
+            if self._ok(way*f,barrier=False,wall_m=0.1):
+                if f==1.: self.contact=contact
+                return way*f
+        return self._best(way,barrier=False)
