@@ -31,6 +31,7 @@ class Flow(msgspec.Struct, frozen=True, array_like=True):
     angle_rad: float = 0.0
     spare: int = 0
     leader: Number = NOBODY
+    want: bool = False
 
 
 class Measured(msgspec.Struct, frozen=True, array_like=True):

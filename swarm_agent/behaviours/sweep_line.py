@@ -31,7 +31,7 @@ class SweepLine(Behaviour):
         self.contact=0j; self.pinned=self.halt=self.close=self.ready=False; self.stage=''
         self.wall=0j; self.moved=0; self.ahead=0; self.rank=9999; self.tail=1; self.crumbs=[]; self.wait=0
         self.from_left=self.from_right=None; self.in_left=self.in_right=None; self.angle=0.; self.open=True
-        self.event=''; self.claim=''; self.hand='left'; self.target=0; self.born=None; self.attached=False; self.obstacle=None
+        self.event=''; self.claim=''; self.hand='left'; self.target=0; self.born=None; self.wanted=(False,0,0,0); self.obstacle=None
     def describe(self):
         return dict(role=self.role,l=self.left,r=self.right,old=self.old,line=self.line,halt=self.halt,pin=self.pinned,close=self.close,ready=self.ready,open=self.open,ahead=self.ahead,rank=self.rank,tail=self.tail,ang=round(math.degrees(self.angle)),moved=self.moved,stage=self.stage,il=self.in_left and (self.in_left.count,self.in_left.moved,self.in_left.open,self.in_left.halt),ir=self.in_right and (self.in_right.count,self.in_right.moved,self.in_right.open,self.in_right.halt),claim=self.claim,g=(self.graph.version.events,self.graph.main))
     # ------------------------------------------------------------- step
@@ -144,7 +144,7 @@ class SweepLine(Behaviour):
         self.old.add(n); self.old_side=dict(self.old_side); self.old_side[n]=side
         setattr(self,side,new)
     def _to_file(self):
-        self.role='file'; self.left=self.right=NOBODY; self.old=set(); self.pinned=self.halt=self.close=self.ready=False; self.stage=''; self.crumbs=[]; self.ahead=0; self.rank=9999; self.hand='left'; self.from_left=self.from_right=None; self.attached=False
+        self.role='file'; self.left=self.right=NOBODY; self.old=set(); self.pinned=self.halt=self.close=self.ready=False; self.stage=''; self.crumbs=[]; self.ahead=0; self.rank=9999; self.hand='left'; self.from_left=self.from_right=None
         self.contact=nearest(self.hits,self.here) if len(self.hits) else self.here
     def _dissolved(self):
         h='left'
@@ -154,8 +154,14 @@ class SweepLine(Behaviour):
     # ------------------------------------------------------------- looking
     def _look(self):
         P=self.known
-        lw=(self.contact-self.here) if self.left==WALL else (P[self.left].here-self.here if self.left in P else 1+0j)
-        rw=(self.contact-self.here) if self.right==WALL else (P[self.right].here-self.here if self.right in P else 1+0j)
+        def toward(n,side):
+            p=P.get(n)
+            if p is None: return 1+0j
+            if abs(p.here-self.here)<1e-6: return 1+0j
+            via=self._via(p.here,self.here,self._walls(p),p.here) if side=='left' else self._via(self.here,p.here,self._walls(p),p.here)
+            return via-self.here
+        lw=(self.contact-self.here) if self.left==WALL else toward(self.left,'left')
+        rw=(self.contact-self.here) if self.right==WALL else toward(self.right,'right')
         self.lw,self.rw=lw,rw
         n=self.eye.rays
         first=self.eye.ray(lw); m=round(turn_rad(lw,rw,'right')/math.tau*n)
@@ -189,8 +195,8 @@ class SweepLine(Behaviour):
         self.open=bool((frontier&~own).any()) if self.role!='leader' else bool(frontier.any())
         # obstacles ahead
         half=[self.here]
-        if self.left>0: half.insert(0,(self.here+self.here+lw)/2)
-        if self.right>0: half.append((self.here+self.here+rw)/2)
+        if self.left>0: half.insert(0,self.here+shortened(lw,abs(P[self.left].here-self.here)/2 if self.left in P else 0.5))
+        if self.right>0: half.append(self.here+shortened(rw,abs(P[self.right].here-self.here)/2 if self.right in P else 0.5))
         front=np.flatnonzero(fin&~own)
         self.obstacle=None
         if len(front):
@@ -209,16 +215,23 @@ class SweepLine(Behaviour):
     def _flows_out(self):
         if not self.on_line: self.from_left=self.from_right=None; return
         mine=dict(moved=self.moved,open=self.open,halt=self.halt,pinned=self.pinned or self.close)
-        if self.left==WALL: self.from_left=Flow(1,angle_rad=self.angle,leader=self.me,**mine)
+        spare=self._spare(); want=self._wants()
+        if self.left==WALL: self.from_left=Flow(1,angle_rad=self.angle,leader=self.me,spare=spare,want=want,**mine)
         elif self.in_left:
-            f=self.in_left; self.from_left=Flow(f.count+1,max(f.moved,self.moved),f.open or self.open,f.halt or self.halt,f.pinned or mine['pinned'],f.angle_rad,0,f.leader)
+            f=self.in_left; self.from_left=Flow(f.count+1,max(f.moved,self.moved),f.open or self.open,f.halt or self.halt,f.pinned or mine['pinned'],f.angle_rad,f.spare+spare,f.leader,f.want or want)
         else: self.from_left=None
-        if self.right==WALL: self.from_right=Flow(1,angle_rad=self.angle,leader=self.me,spare=self._spare(),**mine)
+        if self.right==WALL: self.from_right=Flow(1,angle_rad=self.angle,leader=self.me,spare=spare,want=want,**mine)
         elif self.in_right:
-            f=self.in_right; self.from_right=Flow(f.count+1,max(f.moved,self.moved),f.open or self.open,f.halt or self.halt,f.pinned or mine['pinned'],f.angle_rad,f.spare,f.leader)
+            f=self.in_right; self.from_right=Flow(f.count+1,max(f.moved,self.moved),f.open or self.open,f.halt or self.halt,f.pinned or mine['pinned'],f.angle_rad,f.spare+spare,f.leader,f.want or want)
         else: self.from_right=None
     def _spare(self):
         return max((p.beacon.tail for p in self.known.values() if p.beacon.role=='file' and p.beacon.ahead==self.me),default=0)
+    def _wants(self):
+        """Is there a gap to our right that nobody of the line can fill?"""
+        r=self.peer(self.right) if self.right>0 else None
+        if r is None or r.beacon.left!=self.me or self.old or r.beacon.role=='leave' or self.role=='leave': return False
+        d=abs(r.here-self.here)
+        return r.beacon.right==WALL and (d>self.parameters.follow_m or r.beacon.close)
     @property
     def count(self):
         return 1+(self.in_left.count if self.in_left else 0)+(self.in_right.count if self.in_right else 0)
@@ -368,7 +381,7 @@ class SweepLine(Behaviour):
         A=self._via(A,self.here,self._walls(a),A); B=self._via(self.here,B,self._walls(b),B)
         used=abs(A-a.here); length=abs(B-A)
         arc=space-used
-        most=length-(0.25 if B==b.here else 0.)
+        most=length-(0.34 if B==b.here else 0.)
         if b.beacon.close and b.beacon.role=='leader': arc=max(arc,min(most-0.05,1.1))
         arc=min(max(arc,0.),max(most,0.))
         if A==a.here: arc=max(arc,min(0.25,length/2))
@@ -419,48 +432,54 @@ class SweepLine(Behaviour):
     def _file(self):
         push=0j
         for p in self.known.values():
-            if p.beacon.role in('leader','centre','leave','join'):
+            if p.beacon.role:
                 v=self.here-p.here
-                if abs(v)<0.36: push+=unit(v)*(0.38-abs(v))
+                r=0.4 if p.beacon.role=='leader' else 0.28 if p.beacon.role!='file' else 0.26
+                if abs(v)<r: push+=unit(v)*(r+.02-abs(v))
         if self.role=='file' and push:
             way=self._best(unit(push)*self.step_m,barrier=False)
             if way: return way
-        R=None
-        for p in self.known.values():
-            if p.beacon.role=='leader' and p.beacon.right==WALL and self.graph.main and p.beacon.line==self.graph.main.line: R=p
-        leader=R
-        # whom to follow
-        cand=[]
-        if R and (abs(R.here-self.here)<0.6 or clearance_m(np.concatenate((self.hits,R.hits(self.eye))),self.here,R.here)>=0.13): cand.append((0,abs(R.here-self.here),R))
-        for p in self.known.values():
-            if p.beacon.role=='file' and p.beacon.rank<9000 and p.beacon.ahead!=self.me and abs(p.here-self.here)<1.2: cand.append((p.beacon.rank,abs(p.here-self.here),p))
+        main=self.graph.main
+        self.tail=min(50,1+self._spare())
+        def mine(p): return p.beacon.role in('leader','centre') and main is not None and p.beacon.line==main.line
         taken={p.beacon.ahead:p for p in self.known.values() if p.beacon.role=='file' and p.beacon.ahead}
-        self.tail=1+max((p.beacon.tail for p in self.known.values() if p.beacon.role=='file' and p.beacon.ahead==self.me),default=0)
-        self.tail=min(self.tail,50)
         def free(p):
-            t=taken.get(p.number); return t is None or t.number==self.me or (t.number>self.me and self.ahead==p.number)
+            if mine(p): return True
+            t=taken.get(p.number); return t is None or (t.number>self.me and self.ahead==p.number)
+        cand=[]
+        for p in self.known.values():
+            d=abs(p.here-self.here)
+            if mine(p) and (d<0.6 or clearance_m(np.concatenate((self.hits,p.hits(self.eye))),self.here,p.here)>=0.13): cand.append((0,d,p))
+            elif p.beacon.role=='file' and p.beacon.rank<9000 and p.beacon.ahead!=self.me and d<1.2: cand.append((p.beacon.rank,d,p))
         cur=self.peer(self.ahead) if self.ahead else None
-        if cur is None or cur.beacon.role not in('leader','file') or not free(cur) or (cur.beacon.role=='file' and cur.beacon.rank>=min(self.rank,9000)) or (cur.beacon.role=='leader' and cur is not R) or abs(cur.here-self.here)>1.9:
-            ok=[c for c in cand if free(c[2]) and (c[0]<self.rank or self.rank>=9000) ]
-            cur=min(ok,key=lambda c:(c[1],c[0]))[2] if ok else None
+        near=[c for c in cand if c[0]==0 and c[1]<0.6]
+        bad=cur is None or not (mine(cur) or cur.beacon.role=='file') or not free(cur) or (cur.beacon.role=='file' and cur.beacon.rank>=min(self.rank,9000)) or abs(cur.here-self.here)>1.9
+        if bad or (near and self.rank>1) or (mine(cur) and near and min(c[1] for c in near)+0.2<abs(cur.here-self.here)):
+            ok=[c for c in cand if free(c[2]) and (c[0]<self.rank or self.rank>=9000)]
+            cur=min(ok,key=lambda c:(c[0]>0,c[1],c[0]))[2] if ok else (None if bad else cur)
             self.crumbs=[]
         self.ahead=cur.number if cur else 0
-        self.rank=(0 if cur.beacon.role=='leader' else cur.beacon.rank)+1 if cur else 9999
+        self.rank=(0 if mine(cur) else cur.beacon.rank)+1 if cur else 9999
         if cur is None:
             return self._travel()
         # insertion
-        if cur is R and self.role=='file':
-            c=self.peer(R.beacon.left) if R.beacon.left>0 else None
-            f=self.parameters.follow_m
-            if c and c.beacon.right==R.number and c.beacon.role!='leave' and (abs(c.here-R.here)>f or R.beacon.close):
-                if self._link(c,'left')>=0.02 and self._link(R,'right')>=0.02:
-                    self.role='join'; self.left,self.right=c.number,R.number; self.wait=self.tick; self.old=set(); self.moved=self.tick
-                    return 0j
-                mid=(c.here+R.here)/2
-                return self._best(mid-self.here,barrier=False)
+        if mine(cur) and self.role=='file':
+            b=cur.beacon; want=any(f.want for f in (b.from_left,b.from_right) if f)
+            count=(b.from_left.count+b.from_right.count-1) if b.from_left and b.from_right else 0
+            if (want,count,cur.number)!=self.wanted[:3]: self.wanted=(want,count,cur.number,self.tick)
+            eager=[p for p in self.known.values() if p.beacon.role=='join' or p.beacon.role=='file' and p.beacon.ahead and self.peer(p.beacon.ahead) and mine(self.peer(p.beacon.ahead)) and p.number<self.me]
+            if want and count and self.tick-self.wanted[3]>3+(2*count if eager else 0):
+                for n,side in((b.right,'right'),(b.left,'left')):
+                    c=self.peer(n) if n>0 else None
+                    if c is None or c.beacon.role not in('leader','centre'): continue
+                    l,r=(cur,c) if side=='right' else (c,cur)
+                    if l.beacon.right!=r.number or r.beacon.left!=l.number or l.beacon.pinned or l.beacon.ready or r.beacon.ready: continue
+                    if self._link(l,'left')>=0.02 and self._link(r,'right')>=0.02:
+                        self.role='join'; self.left,self.right=l.number,r.number; self.wait=self.tick; self.old=set(); self.moved=self.tick
+                        return 0j
         if not self.crumbs or abs(self.crumbs[-1]-cur.here)>0.04: self.crumbs.append(cur.here)
         d=abs(cur.here-self.here)
-        if d<=0.35:
+        if d<=(0.5 if cur.beacon.role=='leader' else 0.36):
             self.crumbs=self.crumbs[-1:]
             if d<0.26: return self._best(unit(self.here-cur.here)*0.03,barrier=False)
             return 0j
