@@ -136,7 +136,7 @@ class SweepLine(Behaviour):
                     for z in self.known.values():
                         if z.number!=n and z.beacon.role in('leader','centre') and (z.beacon.right if side=='left' else z.beacon.left)==self.me and self.tick-self.wait>6:
                             self._replace(side,n,z.number); break
-            if b.since>self.since and back==self.me: self.line,self.since=b.line,b.since
+            if b.since>self.since and back==self.me and b.role in('leader','centre'): self.line,self.since=b.line,b.since
         if self.role=='centre' and self.left>0 and self.right>0:
             a,b=self.peer(self.left),self.peer(self.right)
             if a and b and a.beacon.right==self.right and b.beacon.left==self.left: self._to_file(); return
@@ -144,7 +144,7 @@ class SweepLine(Behaviour):
         self.old.add(n); self.old_side=dict(self.old_side); self.old_side[n]=side
         setattr(self,side,new)
     def _to_file(self):
-        self.role='file'; self.left=self.right=NOBODY; self.old=set(); self.pinned=self.halt=self.close=self.ready=False; self.stage=''; self.crumbs=[]; self.ahead=0; self.rank=9999; self.hand='left'; self.from_left=self.from_right=None
+        self.role='file'; self.line,self.since=-1,-1; self.left=self.right=NOBODY; self.old=set(); self.pinned=self.halt=self.close=self.ready=False; self.stage=''; self.crumbs=[]; self.ahead=0; self.rank=9999; self.hand='left'; self.from_left=self.from_right=None
         self.contact=nearest(self.hits,self.here) if len(self.hits) else self.here
     def _dissolved(self):
         h='left'
@@ -264,11 +264,13 @@ class SweepLine(Behaviour):
         l=self.peer(self.left)
         if l and l.beacon.pinned and l.beacon.right==self.me:
             w=l.here+l.turn*l.beacon.wall
+            self.pinned=self.halt=False
             if self._sees(w):
                 self.ready=True; self.wall=w
         if l and l.beacon.right==WALL and l.beacon.stage=='cut' and self.wall:
             self.left=WALL; self.contact=self.wall; self.role='leader'; self.line=l.beacon.line+1; self.since=l.beacon.since; self.stage=''; self.ready=False; self.pinned=False; self.halt=False
             return
+        if l and l.beacon.pinned: return
         if self.obstacle is None:
             self.halt=False; 
             if self.pinned and not self._sees(self.wall): self.pinned=False
@@ -301,8 +303,10 @@ class SweepLine(Behaviour):
         self.right=WALL; self.contact=self.wall; self.role='leader'; self.stage='cut'; self.pinned=self.halt=False
         self.event='split'
     def _finish(self):
-        self.graph.dissolve() if self.is_main() else None
         self.event='dissolve'
+        if self.is_main():
+            self.graph.dissolve()
+            if lines:=self.graph.lines(): self.graph.activate(max(lines)); self.event='dissolve; next %d'%max(lines)
         self._dissolved()
         if self.graph.main is None and not self.graph.lines(): self.claim='done'
     def is_main(self):
