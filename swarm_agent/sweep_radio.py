@@ -32,6 +32,8 @@ class Flow(msgspec.Struct, frozen=True, array_like=True):
     spare: int = 0
     leader: Number = NOBODY
     want: bool = False
+    order: int = 0
+    taut: int = 0
 
 
 class Measured(msgspec.Struct, frozen=True, array_like=True):
@@ -70,7 +72,9 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     version: Version
     delta: Delta | None
     stage: str = ""
-    main: int = 0
+    gap: bool = False
+    anchor: int = 0
+    epoch: int = 0
 
     @property
     def wall(self) -> complex:

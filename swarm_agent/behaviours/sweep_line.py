@@ -31,7 +31,7 @@ class SweepLine(Behaviour):
         self.contact=0j; self.pinned=self.halt=self.close=self.ready=False; self.stage=''
         self.wall=0j; self.moved=0; self.ahead=0; self.rank=9999; self.tail=1; self.crumbs=[]; self.wait=0
         self.from_left=self.from_right=None; self.in_left=self.in_right=None; self.angle=0.; self.open=True
-        self.event=''; self.claim=''; self.hand='left'; self.target=0; self.born=None; self.wanted=(False,0,0,0); self.obstacle=None
+        self.event=''; self.claim=''; self.hand='left'; self.target=0; self.born=None; self.wanted=(False,0,0,0); self.order=0; self.taut=0; self.rounds=0; self.pushed=0; self.order_since=0; self.still_since=0; self.place=0; self.obstacle=None
     def describe(self):
         return dict(role=self.role,l=self.left,r=self.right,old=self.old,line=self.line,halt=self.halt,pin=self.pinned,close=self.close,ready=self.ready,open=self.open,ahead=self.ahead,rank=self.rank,tail=self.tail,ang=round(math.degrees(self.angle)),moved=self.moved,stage=self.stage,il=self.in_left and (self.in_left.count,self.in_left.moved,self.in_left.open,self.in_left.halt),ir=self.in_right and (self.in_right.count,self.in_right.moved,self.in_right.open,self.in_right.halt),claim=self.claim,g=(self.graph.version.events,self.graph.main))
     # ------------------------------------------------------------- step
@@ -206,7 +206,7 @@ class SweepLine(Behaviour):
                 way=b-a; t=np.clip(((pts-a)*way.conjugate()).real/max(abs(way)**2,1e-12),0,1); d=np.minimum(d,np.abs(pts-a-t*way))
             k=int(d.argmin())
             # hits right at the side directions belong to walls behind
-            if d[k]<=self.parameters.obstacle_m+0.02: self.obstacle=front[k]
+            if d[k]<=(0.5 if self.order>0 and self.order==self.place else self.parameters.obstacle_m+0.02): self.obstacle=front[k]
     # ------------------------------------------------------------- flows
     def _flows(self):
         l=self.peer(self.left) if self.left>0 else None; r=self.peer(self.right) if self.right>0 else None
@@ -216,13 +216,13 @@ class SweepLine(Behaviour):
         if not self.on_line: self.from_left=self.from_right=None; return
         mine=dict(moved=self.moved,open=self.open,halt=self.halt,pinned=self.pinned or self.close)
         spare=self._spare(); want=self._wants()
-        if self.left==WALL: self.from_left=Flow(1,angle_rad=self.angle,leader=self.me,spare=spare,want=want,**mine)
+        if self.left==WALL: self.from_left=Flow(1,angle_rad=self.angle,leader=self.me,spare=spare,want=want,taut=self.taut,**mine)
         elif self.in_left:
-            f=self.in_left; self.from_left=Flow(f.count+1,max(f.moved,self.moved),f.open or self.open,f.halt or self.halt,f.pinned or mine['pinned'],f.angle_rad,f.spare+spare,f.leader,f.want or want)
+            f=self.in_left; self.from_left=Flow(f.count+1,max(f.moved,self.moved),f.open or self.open,f.halt or self.halt,f.pinned or mine['pinned'],f.angle_rad,f.spare+spare,f.leader,f.want or want,0,max(f.taut,self.taut))
         else: self.from_left=None
-        if self.right==WALL: self.from_right=Flow(1,angle_rad=self.angle,leader=self.me,spare=spare,want=want,**mine)
+        if self.right==WALL: self.from_right=Flow(1,angle_rad=self.angle,leader=self.me,spare=spare,want=want,order=self.order,**mine)
         elif self.in_right:
-            f=self.in_right; self.from_right=Flow(f.count+1,max(f.moved,self.moved),f.open or self.open,f.halt or self.halt,f.pinned or mine['pinned'],f.angle_rad,f.spare+spare,f.leader,f.want or want)
+            f=self.in_right; self.from_right=Flow(f.count+1,max(f.moved,self.moved),f.open or self.open,f.halt or self.halt,f.pinned or mine['pinned'],f.angle_rad,f.spare+spare,f.leader,f.want or want,f.order)
         else: self.from_right=None
     def _spare(self):
         return max((p.beacon.tail for p in self.known.values() if p.beacon.role=='file' and p.beacon.ahead==self.me),default=0)
@@ -257,7 +257,12 @@ class SweepLine(Behaviour):
                 self.halt=False
         if self.role=='leader':
             self.close=self.obstacle is not None
+            if self.right==WALL: self._command()
+            else: self.order=self.in_right.order if self.in_right else 0
             return
+        self.order=self.in_right.order if self.in_right else 0
+        self.place=1+(self.in_left.count if self.in_left else 0)
+        if self.order!=self.place: self.taut=0; self.pushed=self.tick
         if self.role!='centre': self.halt=False; return
         # ready: left neighbour pinned and we see its wall
         self.ready=False
@@ -290,6 +295,46 @@ class SweepLine(Behaviour):
                 if ro: self.left=WALL
                 else: self.right=WALL
                 self.event='shift'
+    def _give(self,order):
+        self.order=order; self.order_since=self.tick
+    def _command(self):
+        """Of a line's right leader: what to do when the line cannot go on."""
+        if not self.is_main() or not self._whole() or self.left==WALL: self.order=0; return
+        f=self.in_left; n=self.count; now=self.tick-self.order_since
+        if self.order!=0 and (self.any_pinned() or f.halt):
+            self.order_since=self.tick
+            if self.any_pinned() and self.order>0: self._give(0); self.rounds=0; self.event='found'
+            return
+        if self.order==0:
+            if not self.quiet() or self.any_pinned() and not self._stuck_long(): 
+                return
+            spare=f.spare+self._spare()
+            if self.tick-max(self.moved,f.moved)<=2*n+(30 if spare==0 else 200): return
+            if n<3 or self.any_pinned(): self._fail(); return
+            self.rounds+=1; self._give(-1); self.event='search %d'%self.rounds
+        elif self.order==-1:
+            c=self.peer(self.left); a=self.peer(c.beacon.left) if c and c.beacon.left>0 else None
+            if a and abs(a.here-self.here)<=0.95: self._give(2)
+            elif self.tick-max(self.moved,f.moved)>2*n+20 and now>2*n+20: self._fail()
+        elif self.order>=2:
+            if f.taut==self.order or now>200: 
+                if self.order<n-1: self._give(self.order+1)
+                elif self.rounds<2: self.rounds+=1; self._give(-1)
+                else: self._fail()
+        elif self.order==-2:
+            if now>400 or self.quiet(): self._park()
+    def _stuck_long(self):
+        f=self.in_left
+        return self.tick-max(self.moved,f.moved)>2*self.count+250
+    def _fail(self):
+        self.event='search failed'; self.rounds=0
+        self._park()
+    def _park(self):
+        self._give(0)
+        lines=self.graph.lines()
+        others=[l for l in lines]
+        if not others: self.claim='failed'; return
+        self.claim='failed'
     def _sees(self,w):
         d=abs(w-self.here)
         if d>0.6: return False
@@ -359,7 +404,9 @@ class SweepLine(Behaviour):
         u=self.rw if hand=='left' else self.lw
         a=turn_rad(u,way,hand) if abs(u)>1e-9 else 0.
         self.angle=0. if a>1.8*math.pi else a
-        if self.halted() or self.close: return 0j
+        if self.halted(): return 0j
+        if self.order in(-1,-2): return self._retreat(hand)
+        if self.order!=0 or self.close: return 0j
         other=(self.in_right if hand=='left' else self.in_left)
         if other is None: return 0j
         shorten=self.angle<math.pi/2-0.02
@@ -372,14 +419,46 @@ class SweepLine(Behaviour):
                     if f==1. and turn==0: self.contact=contact
                     return w*f
         return 0j
+    def _retreat(self,hand):
+        other=(self.in_right if hand=='left' else self.in_left)
+        if other is None or self.angle<=math.pi/2 or self.angle<other.angle_rad-0.3: return 0j
+        back='right' if hand=='left' else 'left'
+        keep=max(self.parameters.obstacle_m,min(abs(self.contact-self.here)-0.3*self.step_m,0.45))
+        way,contact=roll(self.here,self.hits,self.contact,back,keep,self.step_m)
+        for f in(1.,.5):
+            if self._ok(way*f,wall_m=0.1):
+                if f==1.: self.contact=contact
+                return way*f
+        return 0j
+    def _push(self,a,b):
+        """Forward as far as both links reach."""
+        n=1j*unit(b.here-a.here)
+        for turn in(0,25,-25,50,-50):
+            w=n*self.step_m*cmath.rect(1,math.radians(turn))
+            for p,side in((a,'left'),(b,'right')):
+                if abs(p.here-self.here-w)>self.parameters.follow_m+0.05: break
+            else:
+                if self._ok(w): return w
+        if self.tick-self.pushed>12: self.taut=self.place
+        return 0j
     def _keep(self):
         a,b=self.peer(self.left),self.peer(self.right)
         if not a or not b or self.pinned or self.halted() or self.ready: return 0j
         f=self.parameters.follow_m
-        if self.role=='centre' and a.beacon.role!='leave' and b.beacon.role!='leave' and not self.old:
+        if self.order>0 and self.order==self.place and self.role=='centre':
+            w=self._push(a,b)
+            if w: self.pushed=self.tick
+            return w
+        wanted=self._wants() or any(f.want for f in(self.in_left,self.in_right) if f)
+        if self.order==0 and not wanted and self.role=='centre' and a.beacon.role!='leave' and b.beacon.role!='leave' and not self.old:
             d=abs(a.here-b.here)
             if d<=f-0.1 and a.beacon.right==self.me and b.beacon.left==self.me and not b.beacon.close and not a.beacon.pinned and not a.beacon.close and self._margin(a.here,b.here,np.concatenate((self._walls(a),b.hits(self.eye))))>=self.step_m:
                 self.role='leave'; self.wait=self.tick
+        if a.beacon.pinned and not self.ready:
+            w=a.here+a.turn*a.beacon.wall
+            if abs(w-self.here)>0.35:
+                way=self._best(w-self.here)
+                if way: return way
         space=0.25 if a.beacon.pinned or a.beacon.close else f
         A,B=a.here,b.here
         A=self._via(A,self.here,self._walls(a),A); B=self._via(self.here,B,self._walls(b),B)
@@ -473,6 +552,7 @@ class SweepLine(Behaviour):
             if (want,count,cur.number)!=self.wanted[:3]: self.wanted=(want,count,cur.number,self.tick)
             eager=[p for p in self.known.values() if p.beacon.role=='join' or p.beacon.role=='file' and p.beacon.ahead and self.peer(p.beacon.ahead) and mine(self.peer(p.beacon.ahead)) and p.number<self.me]
             if want and count and self.tick-self.wanted[3]>3+(2*count if eager else 0):
+                mids=[]
                 for n,side in((b.right,'right'),(b.left,'left')):
                     c=self.peer(n) if n>0 else None
                     if c is None or c.beacon.role not in('leader','centre'): continue
@@ -481,6 +561,11 @@ class SweepLine(Behaviour):
                     if self._link(l,'left')>=0.02 and self._link(r,'right')>=0.02:
                         self.role='join'; self.left,self.right=l.number,r.number; self.wait=self.tick; self.old=set(); self.moved=self.tick
                         return 0j
+                    mids.append((l.here+r.here)/2)
+                if mids:
+                    mid=min(mids,key=lambda m:abs(m-self.here))
+                    way=self._best(mid-self.here,barrier=False)
+                    if way: return way
         if not self.crumbs or abs(self.crumbs[-1]-cur.here)>0.04: self.crumbs.append(cur.here)
         d=abs(cur.here-self.here)
         if d<=(0.5 if cur.beacon.role=='leader' else 0.36):
