@@ -1,4 +1,4 @@
-"""The field of a scenario, whole: a graph's file is read in, so that nothing needs the file again.
+"""The field of a scenario, whole: files are read in, so that nothing needs the file again.
 
 Our own graph files are TOML with two fields: `nodes_m`, a list of [x_m, y_m], and `edges`, a list of
 [start, end] or [start, end, length_m]. All other files are read as `.graph` files of patrolling_sim.
@@ -12,7 +12,8 @@ import msgspec
 from deploy.explain import explain
 from deploy.graph_file import GraphFileError, read_graph
 from deploy.mistake import Mistake
-from wire.fields import Edge, Field, Graph, Point
+from wire.fields import Edge, Field, FloorPlan, Graph, Point
+from wire.scenario import Scenario, Sensors
 
 
 class GraphToml(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -22,10 +23,43 @@ class GraphToml(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     edges: tuple[Edge, ...] = ()
 
 
-def whole(field: Field) -> Field:
-    """The field with all nodes and edges of the file it names, and all lengths. Raises Mistake."""
-    if not isinstance(field, Graph):
+def whole(scenario: Scenario) -> Field:
+    """The scenario's field with all that is in the file it names. Raises Mistake."""
+    field = scenario.field
+    if isinstance(field, Graph):
+        return _whole_graph(field)
+    return _whole_plan(field, scenario) if isinstance(field, FloorPlan) else field
+
+
+def _whole_plan(field: FloorPlan, scenario: Scenario) -> FloorPlan:
+    """The plan's rings; of a random plan those that robots with these senses and parameters can clear."""
+    from deploy.clear_checks import obstacle_m  # polygons take a while to import
+    from deploy.plan_file import read_plan, rings_of
+    from world_server.floorplan import PlanError
+    from world_server.random_plans import random_plan
+
+    given = [name for name in ("plan", "random", "rings_m") if getattr(field, name)]
+    if len(given) != 1:
+        raise Mistake(f"field must have one of plan, random and rings_m, got {' and '.join(given) or 'none'}")
+    if field.metres_per_px is not None and not field.plan:
+        raise Mistake("field.metres_per_px is for a picture as plan only")
+    if field.rings_m:
         return field
+    try:
+        if field.plan:
+            rings_m = rings_of(read_plan(Path(field.plan), field.metres_per_px))
+        else:
+            drawn, detect_m = field.random, (scenario.sensors or Sensors()).detect_m
+            rooms = (drawn.columns, drawn.rows)
+            rings_m = rings_of(random_plan(drawn.seed, rooms, drawn.islands, obstacle_m(scenario), detect_m))
+    except PlanError as error:
+        raise Mistake(f"field.random: {error}") from None
+    except Mistake as mistake:
+        raise Mistake(f"field.plan: {mistake}") from None
+    return FloorPlan(rings_m=rings_m, turned_rad=field.turned_rad)
+
+
+def _whole_graph(field: Graph) -> Graph:
     inline = bool(field.nodes_m or field.edges)
     if bool(field.graph) == inline:
         got = "both" if inline else "neither"

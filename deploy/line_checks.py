@@ -8,9 +8,9 @@ from itertools import pairwise
 from typing import Any
 
 from deploy.mistake import Mistake
-from wire.fields import Graph, Grid, Polyline
+from wire.fields import Polyline
 from wire.line import Line
-from wire.scenario import BatterySection, Fan, InQueue, Range, Robots, Scenario
+from wire.scenario import BatterySection, Cluster, Fan, InQueue, Range, Scenario
 
 SHARPEST_TURN_DEG = 120.0
 FARTHEST_M = 1e6
@@ -20,35 +20,6 @@ RESERVE = 1.5  # of the charge for a last lap and the way home
 SLACK = 1.1  # of the time for the laps between two reports
 HOME_V, SWAP_BELOW_V, REPORT_LAPS = 8.5, 8.7, 10  # as in line_patrol
 LOW_V, MARGIN_V, READY_V, SILENCE_S, DISPATCH_S = 8.5, 0.1, 8.7, 300.0, 10.0  # as in line_keeper
-
-
-def check_mission(scenario: Scenario) -> None:
-    """Raises Mistake where a part belongs to another mission."""
-    kinds = {"area": (Grid, Graph), "line": (Polyline,)}[scenario.mission]
-    if not isinstance(scenario.field, kinds):
-        right, got = " or ".join(map(_kind, kinds)), _kind(type(scenario.field))
-        raise Mistake(f"field.kind must be {right} for mission {scenario.mission}, got {got}")
-    if scenario.mission == "line":
-        _check_not_area(scenario.robots)
-        return
-    if isinstance(scenario.robots.start, InQueue):
-        raise Mistake("robots.start.kind must be fan or poses for mission area, got queue")
-    if scenario.battery is not None:
-        raise Mistake("battery is for mission line only")
-    for number, fault in enumerate(scenario.faults):
-        if fault.place == "queue":
-            raise Mistake(f"faults[{number}].place must be here for mission area, got queue")
-
-
-def _check_not_area(robots: Robots) -> None:
-    if isinstance(robots.start, tuple):
-        raise Mistake("robots.start must be queue, fan or poses for mission line, got a list of sites")
-    if robots.shared_last_visit:
-        raise Mistake("robots.shared_last_visit is for mission area only")
-
-
-def _kind(field: type) -> str:
-    return field.__struct_config__.tag
 
 
 def check_line(scenario: Scenario) -> None:
@@ -146,8 +117,9 @@ def _check_tower(scenario: Scenario, line: Line) -> None:
 
 def _check_robots(scenario: Scenario, line: Line) -> None:
     robots, tick_s = scenario.robots, scenario.tick_s
-    if isinstance(robots.start, Fan):
-        raise Mistake("robots.start.kind must be queue or poses for mission line, got fan")
+    if isinstance(robots.start, Fan | Cluster):
+        got = "fan" if isinstance(robots.start, Fan) else "cluster"
+        raise Mistake(f"robots.start.kind must be queue or poses for mission line, got {got}")
     if len(scenario.robot_ids) < len(line.segments):
         most = len(scenario.robot_ids)
         raise Mistake(f"field.segments must be at most as many as robots ({most}), got {len(line.segments)}")

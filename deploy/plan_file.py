@@ -6,7 +6,8 @@ import numpy as np
 import shapely
 
 from deploy.mistake import Mistake
-from world_server.floorplan import PlanError, from_bitmap, from_geojson, from_wkt
+from wire.fields import Point
+from world_server.floorplan import PlanError, from_bitmap, from_geojson, from_rings, from_wkt
 from world_server.plan_checks import check_plan
 
 PICTURES = (".png", ".pgm", ".bmp")
@@ -18,12 +19,36 @@ def load_plan(path: Path, metres_per_px: float | None, obstacle_m: float, detect
 
     Of a picture, `metres_per_px` is the scale. Raises Mistake with the name of the file.
     """
+    plan = read_plan(path, metres_per_px)
     try:
-        plan = _read(path, metres_per_px)
         check_plan(plan, obstacle_m, detect_m)
     except PlanError as error:
         raise Mistake(f"{path.name}: {error}") from None
     return plan
+
+
+def read_plan(path: Path, metres_per_px: float | None) -> shapely.Polygon:
+    """The plan of a file, whether robots can clear it or not. Raises Mistake with the name of the file."""
+    try:
+        return _read(path, metres_per_px)
+    except PlanError as error:
+        raise Mistake(f"{path.name}: {error}") from None
+
+
+def polygon_of(rings_m: tuple[tuple[Point, ...], ...]) -> shapely.Polygon:
+    """The plan that a scenario spells out: the outer ring, then the islands. Raises Mistake."""
+    try:
+        return from_rings(rings_m)
+    except PlanError as error:
+        raise Mistake(f"field.rings_m: {error}") from None
+
+
+def rings_of(plan: shapely.Polygon) -> tuple[tuple[Point, ...], ...]:
+    """A plan as a scenario spells it out."""
+    return tuple(
+        tuple((x_m, y_m) for x_m, y_m in shapely.get_coordinates(ring)[:-1].tolist())
+        for ring in (plan.exterior, *plan.interiors)
+    )
 
 
 def _read(path: Path, metres_per_px: float | None) -> shapely.Polygon:

@@ -119,7 +119,30 @@ def _line_rows(table: Table, metrics: dict[str, Any]) -> None:
         table.add_row(*row)
 
 
-TABLES = {"area": _area_rows, "line": _line_rows}
+def _clear_rows(table: Table, metrics: dict[str, Any]) -> None:
+    for heading, justify in (("metric", "left"), ("value", "right"), ("unit", "left")):
+        table.add_column(heading, justify=justify)
+    lost, graph = metrics["recontaminated_m2"], metrics["graph"]
+    again = " / ".join(_number(area_m2, 2) for area_m2 in lost.values())
+    peak = f"{metrics['robots_on_lines_peak']} / {metrics['robots_deployed']}"
+    searches = f"{metrics['searches']} / {metrics['searches_failed']}"
+    for row in (
+        ("cleared", "yes" if metrics["cleared"] else "no", "as the referee sees it"),
+        ("claim", metrics["claim"], "as the team says"),
+        ("clear after", _number(metrics["clear_time_s"], 0), "s"),
+        ("contaminated at the end", _number(metrics["contaminated_area_m2"], 2), "m²"),
+        ("lost again", again, f"m², {' / '.join(lost)}"),
+        ("breaches", str(metrics["breaches"]), "ticks"),
+        ("robots", peak, "most on lines / deployed"),
+        ("splits", str(metrics["splits"]), ""),
+        ("searches", searches, "all / failed"),
+        ("lines dissolved", str(metrics["dissolved"]), ""),
+        ("graph", " / ".join(map(str, graph.values())), "vertices / edges / of cycles"),
+    ):
+        table.add_row(*row)
+
+
+TABLES = {"area": _area_rows, "line": _line_rows, "clear": _clear_rows}
 
 
 def print_result(

@@ -1,15 +1,16 @@
 """What the types of a scenario cannot say: that its parts fit together."""
 
 from deploy.field_checks import check_field, check_start
-from deploy.line_checks import check_line, check_mission
+from deploy.line_checks import check_line
+from deploy.mission_checks import check_mission
 from deploy.mistake import Mistake
 from wire.channels import number_of
 from wire.messages import BEFALLS
-from wire.scenario import Latency, Partition, Poses, Scenario
+from wire.scenario import Latency, Partition, PlannedFault, Poses, Scenario
 
 MAX_TICKS = 2**32 - 1  # times of visits travel as uint32
 
-AFTER = {"kill": "dead", "restart": "alive", "freeze": "frozen", "thaw": "alive"}
+AFTER = {"kill": "dead", "restart": "alive", "freeze": "frozen", "thaw": "alive", "slow": "alive"}
 
 
 def check(scenario: Scenario) -> None:
@@ -19,6 +20,10 @@ def check(scenario: Scenario) -> None:
     _check_sizes(scenario)
     if scenario.mission == "line":
         check_line(scenario)
+    elif scenario.mission == "clear":
+        from deploy.clear_checks import check_clear  # polygons take a while to import
+
+        check_clear(scenario)
     else:
         check_field(scenario.field)
         check_start(scenario)
@@ -81,17 +86,34 @@ def _check_partition(scenario: Scenario, rule: Partition, place: str) -> None:
 
 def _check_faults(scenario: Scenario) -> None:
     """Every fault has a node, a time within the run, and a state of the node in which it makes sense."""
+    for number, fault in enumerate(scenario.faults):
+        _check_fault(scenario, fault, f"faults[{number}]")
+    timed = [(number, one) for number, one in enumerate(scenario.faults) if one.at_s is not None]
     state = dict.fromkeys(scenario.node_ids, "alive")
-    for number, fault in sorted(enumerate(scenario.faults), key=lambda one: one[1].at_s):
+    for number, fault in sorted(timed, key=lambda one: one[1].at_s):
         place = f"faults[{number}]"
-        if bool(fault.nodes) == (fault.highest_ids_share is not None):
-            raise Mistake(f"{place} needs either nodes or highest_ids_share")
-        if scenario.tick_of(fault.at_s) > scenario.last_tick:
-            raise Mistake(f"{place}.at_s must be <= duration_s ({scenario.duration_s}), got {fault.at_s}")
         for node in scenario.nodes_of(fault):
-            if node not in state:
-                raise Mistake(f"{place}.nodes: there is no node {node}; nodes are {', '.join(state)}")
             if state[node] not in BEFALLS[fault.verb]:
                 when = f"at {fault.at_s} s, it is {state[node]} then"
                 raise Mistake(f"{place}: cannot {fault.verb} {node} {when}")
             state[node] = AFTER[fault.verb]
+
+
+def _check_fault(scenario: Scenario, fault: PlannedFault, place: str) -> None:
+    if fault.verb is None:
+        raise Mistake(f"{place}.verb is missing")
+    if (fault.at_s is None) == (fault.when_cleared_share is None):
+        got = "neither" if fault.at_s is None else "both"
+        only = "at_s" if scenario.mission != "clear" else "either at_s or when_cleared_share"
+        raise Mistake(f"{place} needs {only}, got {got}" if got == "both" else f"{place}.at_s is missing")
+    if [bool(fault.nodes), fault.highest_ids_share is not None, bool(fault.role)].count(True) != 1:
+        others = ", highest_ids_share or role" if scenario.mission == "clear" else " or highest_ids_share"
+        raise Mistake(f"{place} needs either nodes{others}")
+    if fault.at_s is not None and scenario.tick_of(fault.at_s) > scenario.last_tick:
+        raise Mistake(f"{place}.at_s must be <= duration_s ({scenario.duration_s}), got {fault.at_s}")
+    if fault.every != 1 and fault.verb != "slow":
+        raise Mistake(f"{place}.every is for slow, got {fault.every} for {fault.verb}")
+    for node in fault.nodes:
+        if node not in scenario.node_ids:
+            known = ", ".join(scenario.node_ids)
+            raise Mistake(f"{place}.nodes: there is no node {node}; nodes are {known}")

@@ -15,11 +15,12 @@ from deploy.field_file import whole
 from deploy.mistake import Mistake
 from deploy.scenario_checks import check
 from swarm_agent.behaviour import BehaviourError, find_behaviour, settled_parameters
-from wire.scenario import Scenario
+from wire.scenario import Cluster, Scenario
 
 SHORT = {"behaviour": "robots.behaviour"}
 """Settings that are given so often that their place need not be named."""
 SHIPPED = Path(__file__).parent / "scenarios"
+SHIPPED_PLANS = {path.stem: path for path in sorted((SHIPPED / "plans").glob("*.*"))}
 
 
 class ScenarioError(Exception):
@@ -72,7 +73,8 @@ def load_scenario(path: Path, settings: list[str] = [], **overrides: Any) -> Sce
     except msgspec.ValidationError as error:
         raise ScenarioError(f"{source}: {explain(str(error), document, Scenario)}") from None
     try:
-        scenario = msgspec.structs.replace(scenario, field=whole(scenario.field))
+        scenario = msgspec.structs.replace(scenario, field=whole(scenario))
+        scenario = _at_deployment(scenario, document)
         check(scenario)
     except Mistake as mistake:
         raise ScenarioError(f"{source}: {mistake}") from None
@@ -98,10 +100,20 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _look_beside(document: dict[str, Any], path: Path) -> None:
-    """The file of a graph that a scenario names lies beside the scenario."""
+    """The file of a graph or a plan that a scenario names lies beside the scenario, or ships with Picket."""
     field = document.get("field")
-    if isinstance(field, dict) and isinstance(field.get("graph"), str) and field["graph"]:
-        field["graph"] = str(path.parent / field["graph"])
+    for kind in ("graph", "plan") if isinstance(field, dict) else ():
+        if isinstance(name := field.get(kind), str) and name:
+            field[kind] = str(SHIPPED_PLANS.get(name, path.parent / name))
+
+
+def _at_deployment(scenario: Scenario, document: dict[str, Any]) -> Scenario:
+    """The tower stands where a cluster of robots is deployed, unless the scenario says where."""
+    start, told = scenario.robots.start, document.get("tower", {})
+    if not isinstance(start, Cluster) or "x_m" in told or "y_m" in told:
+        return scenario
+    tower = msgspec.structs.replace(scenario.tower, x_m=start.x_m, y_m=start.y_m)
+    return msgspec.structs.replace(scenario, tower=tower)
 
 
 def _apply(document: dict[str, Any], setting: str) -> None:

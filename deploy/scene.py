@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from deploy.scenes.area import AreaMission
+from deploy.scenes.clear import ClearMission
 from deploy.scenes.line import LineMission
 from deploy.scenes.mission import BASE, DEAD, FLAT, FROZEN, OWN, Colour, Mission, Paint, Plot
 from wire.messages import Event, Facts
@@ -58,7 +59,7 @@ class Snapshot(NamedTuple):
         return self._replace(lines=older.lines + self.lines, changes=older.changes + self.changes)
 
 
-MISSIONS: dict[str, type[Mission]] = {"area": AreaMission, "line": LineMission}
+MISSIONS: dict[str, type[Mission]] = {"area": AreaMission, "line": LineMission, "clear": ClearMission}
 RADIO = Plot("radio", "Radio: frames delivered per tick", (("delivered", (110, 200, 220)),))
 
 

@@ -1,6 +1,7 @@
 """What a behaviour is: a deterministic machine from percepts to moves, apart from any body or clock."""
 
 import importlib
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple, Protocol, Self
@@ -27,11 +28,17 @@ class Parameters(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Heard(NamedTuple):
-    """A frame after decoding; `message` is in the behaviour's own vocabulary."""
+    """A frame after decoding; `message` is in the behaviour's own vocabulary.
+
+    `range_m` and `bearing_rad`: where its sender was when it spoke, counter-clockwise from the front of the
+    body; not a number where a mission does not measure it.
+    """
 
     sender: str
     sent_tick: int
     message: Any
+    range_m: float = math.nan
+    bearing_rad: float = math.nan
 
 
 class Move(msgspec.Struct, frozen=True):

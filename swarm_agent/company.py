@@ -56,7 +56,7 @@ class Company:
     def listen(self, tick: int, heard: Sequence[Heard]) -> None:
         """Take in one inbox."""
         self._roll[self._node] = tick
-        for sender, sent_tick, bulletin in heard:
+        for sender, sent_tick, bulletin, *_ in heard:
             word = bulletin.message
             if sent_tick < tick - self._memory_ticks:
                 continue  # found after a freeze

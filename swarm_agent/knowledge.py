@@ -106,7 +106,7 @@ class NeighbourMemory:
 
     def listen(self, heard: list[Heard]) -> None:
         """Learn from the bulletins of one inbox what their senders have."""
-        for sender, _, bulletin in heard:
+        for sender, _, bulletin, *_ in heard:
             if self._since.get(sender) != bulletin.since_tick:
                 self._since[sender] = bulletin.since_tick
                 self._known[sender] = np.zeros(self._sites, dtype="<u4")
@@ -163,7 +163,7 @@ class Reporter:
 
     def _listen(self, heard: Sequence[Heard]) -> bool:
         """Learn what the tower has. Returns whether it was heard."""
-        said = [bulletin for sender, _, bulletin in heard if sender == self._tower]
+        said = [bulletin for sender, _, bulletin, *_ in heard if sender == self._tower]
         for bulletin in said:
             if bulletin.since_tick != self._tower_since:
                 self._tower_since = bulletin.since_tick

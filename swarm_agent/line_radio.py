@@ -121,7 +121,7 @@ class Relay:
         new: dict[Name, Envelope] = {}
         returned: dict[Name, Envelope] = {}
         carried = set()
-        for sender, sent_tick, envelope in heard:
+        for sender, sent_tick, envelope, *_ in heard:
             if sender == self._tower:
                 self._hear_tower(tick, sent_tick, place.apart_m)
             name = _name(envelope)

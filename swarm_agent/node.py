@@ -1,6 +1,7 @@
 """The node: a mind in a process. Percept bytes in, action bytes out; everything else is the behaviour's."""
 
 import sys
+from itertools import repeat
 from queue import SimpleQueue
 
 import msgspec
@@ -36,7 +37,7 @@ class Mind:
             if self._ledger is not None:
                 self._behaviour.remember(self._ledger.read(percept.grant))
         assert self._behaviour is not None, "the first percept of a node carries its configuration"
-        move = self._behaviour.step(percept, self._decode(percept.inbox))
+        move = self._behaviour.step(percept, self._decode(percept.inbox, percept.senses.bearings))
         if move.record:
             assert self._ledger is not None, "a move with entries for a ledger, in a node without one"
             self._ledger.write(percept.grant, percept.tick, move.record)
@@ -49,18 +50,19 @@ class Mind:
         if self._ledger is not None:
             self._ledger.close()
 
-    def _decode(self, inbox: tuple[Frame, ...]) -> list[Heard]:
+    def _decode(self, inbox: tuple[Frame, ...], bearings: bytes = b"") -> list[Heard]:
         """What was heard in the behaviour's vocabulary; what is not in it is counted and dropped."""
         if self._behaviour.Radio is None:
             return []
         decode, heard = codec.decoder(self._behaviour.Radio), []
-        for frame in inbox:
+        measured = np.frombuffer(bearings, "<f4").reshape(-1, 2).tolist() or repeat(())
+        for frame, bearing in zip(inbox, measured, strict=False):
             try:
                 message = decode(frame.payload)
             except codec.Malformed:
                 self.undecodable_frames += 1
             else:
-                heard.append(Heard(frame.sender, frame.sent_tick, message))
+                heard.append(Heard(frame.sender, frame.sent_tick, message, *bearing))
         return heard
 
     @staticmethod

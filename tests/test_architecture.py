@@ -91,6 +91,7 @@ PURE = (
         for name in """
         world clock area polyline motion path_following traffic radio cells passes sensing nodes records
         chance battery edges floorplan plan_checks random_plans sight referee raster_referee
+        mission clear deployment discs walls perception judges fault_plan
         """.split()
     ),
 )

@@ -10,14 +10,15 @@ from hypothesis import strategies as st
 
 from tests.builders import percept
 from wire import codec, messages
-from wire.fields import Edge, Graph, Grid, Polyline
+from wire.clearing import Standing
+from wire.fields import Edge, Graph, Grid, Polyline, Unseen
 from wire.messages import Action, GoTo, Message, Motion, Notice, Percept, Request, Stay
 
 KINDS = [
     kind
     for _, kind in inspect.getmembers(messages, inspect.isclass)
     if issubclass(kind, Message) and kind is not Message
-]
+] + [Standing]
 
 ids = st.from_regex(r"[a-z][a-z_]{0,5}[0-9]{1,4}", fullmatch=True)
 counts = st.integers(0, 2**53)
@@ -74,10 +75,14 @@ def field_of(kind, name, hint):
         return graphs
     if hint is Polyline:
         return polylines
+    if hint is Unseen:
+        return st.builds(Unseen, st.floats(0.1, 9), numbers, st.floats(0.1, 9))
     if hint is float:
         return finite
     if name == "path_m":
         return st.lists(places, min_size=1, max_size=3).map(tuple)
+    if name == "every":
+        return st.integers(1, 9)
     if name == "wake_on":
         return st.integers(0, 15)
     if name == "wake_tick":

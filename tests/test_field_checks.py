@@ -198,7 +198,7 @@ def test_a_graph_file_that_does_not_fit_is_refused(name, content, said, tmp_path
 
 def test_what_belongs_to_one_mission_is_refused_in_the_other(tmp_path):
     path = "deploy/scenarios/line-patrol.toml"
-    assert "robots.start must be queue, fan or poses for mission line" in complaint(
+    assert "robots.start must be queue or poses for mission line" in complaint(
         Path(path), "robots.start=[0, 1]"
     )
     said = complaint(Path(path), "robots.shared_last_visit=true")

@@ -10,7 +10,8 @@ from deploy.mistake import Mistake
 from deploy.scenario_checks import check
 from deploy.scenario_file import ScenarioError, load_scenario, shipped_scenarios
 from wire.scenario import Scenario
-from world_server.clock import planned_faults
+from world_server.fault_plan import FaultPlan
+from world_server.world import World
 
 GOOD: dict[str, Any] = {
     "mission": "line",
@@ -255,5 +256,5 @@ def test_the_parts_of_every_shipped_line_scenario_fit(name):
 
 
 def test_a_planned_restart_says_where():
-    plan = planned_faults(msgspec.convert(changed(GOOD, faults=[KILL, BACK]), Scenario))
+    plan = FaultPlan(World(msgspec.convert(changed(GOOD, faults=[KILL, BACK]), Scenario))).due(10**6)
     assert [(one.verb, one.place) for one in plan] == [("kill", "here"), ("restart", "queue")]

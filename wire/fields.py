@@ -13,6 +13,7 @@ Way = tuple[int, float]
 Number = Annotated[int, msgspec.Meta(ge=0)]
 Metres = Annotated[float, msgspec.Meta(gt=0)]
 Lines = Annotated[int, msgspec.Meta(ge=1, le=1000)]
+Rooms = Annotated[int, msgspec.Meta(ge=1, le=50)]
 Segments = Annotated[int, msgspec.Meta(ge=1, le=1000)]
 
 
@@ -142,4 +143,40 @@ class Polyline(msgspec.Struct, frozen=True, tag_field="kind", tag="polyline", fo
     slot_m: Metres = 0.3
 
 
-Field = Grid | Graph | Polyline
+class RandomPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A floor plan of so many columns and rows of rooms with so many islands, drawn by chance."""
+
+    seed: Number = 1
+    columns: Rooms = 3
+    rows: Rooms = 3
+    islands: Number = 0
+
+
+class FloorPlan(msgspec.Struct, frozen=True, tag_field="kind", tag="plan", forbid_unknown_fields=True):
+    """Free space between walls, that no robot is told of.
+
+    A scenario gives one of `plan` (a file of well-known text or GeoJSON, or a picture and `metres_per_px`;
+    beside the scenario, or by the name of one that ships), `random`, or `rings_m`: the outer ring, then the
+    islands. Loaded, it has `rings_m`. `turned_rad` turns the whole world about the origin, counter-clockwise:
+    the plan, starts, and headings.
+    """
+
+    plan: str = ""
+    metres_per_px: Metres | None = None
+    random: RandomPlan | None = None
+    rings_m: tuple[tuple[Point, ...], ...] = ()
+    turned_rad: float = 0.0
+
+
+class Unseen(msgspec.Struct, frozen=True, tag_field="kind", tag="unseen", forbid_unknown_fields=True):
+    """What a robot is told in place of a floor plan: how far its `rays` and its radio reach."""
+
+    detect_m: Metres
+    rays: Number
+    comm_m: Metres
+
+
+Field = Grid | Graph | Polyline | FloorPlan
+"""What a scenario may have."""
+Told = Grid | Graph | Polyline | Unseen
+"""What a node may be told of it: a floor plan cannot even be said."""

@@ -5,30 +5,26 @@ from typing import Annotated, Any, Literal
 
 import msgspec
 
-from wire.fields import Field
-
-NodeId = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z_]{0,15}[0-9]{1,4}\Z")]
-Count = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
+from wire.base import Count, Message, NodeId
+from wire.clearing import Clearing
+from wire.fields import Told
 
 WAKE_ON_FRAME, WAKE_ON_ARRIVAL, WAKE_ON_SENSOR, WAKE_ON_BLOCKED = 1, 2, 4, 8
 FRAMES_PER_ACTION = 1024
 
 Why = Literal["start", "wake", "frame", "arrival", "sensor", "blocked", "end"]
-Verb = Literal["kill", "freeze", "thaw", "restart"]
+Verb = Literal["kill", "freeze", "thaw", "restart", "slow"]
 BEFALLS = {
     "kill": ("alive", "frozen", "flat"),
     "freeze": ("alive",),
     "thaw": ("frozen",),
     "restart": ("dead",),
+    "slow": ("alive",),
 }
 """The states of a node in which each fault can befall it, for the plan and for the world."""
 Memory = Literal["lost", "kept"]
 Place = Literal["here", "queue"]
 """Where a restarted robot stands: where its body lay, or carried to the tower's queue, charged."""
-
-
-class Message(msgspec.Struct, array_like=True, frozen=True, forbid_unknown_fields=True):
-    """Base of all that is said: immutable, compact, strict about its fields."""
 
 
 class Pose(Message):
@@ -68,7 +64,7 @@ class Configuration(Message):
     generator_key: tuple[int, ...]
     tick_s: float
     tower: NodeId
-    field: Field
+    field: Told
     max_speed_m_s: float
     tower_m: tuple[float, float] = (0.0, 0.0)
     row: Count = 0
@@ -93,6 +89,14 @@ class Senses(Message):
     """The body that this one waits behind, which is then in sight."""
     shared_last_visit: bytes = b""
     """uint32: the tick of every site's last visit, this tick's included; empty where it is not granted."""
+    scan: bytes = b""
+    """float32: the range in metres to the nearest wall along each ray, the first from the front of the body,
+    the others counter-clockwise at equal angles; infinite where there is none within range."""
+    odometry_m: tuple[float, float] = (0.0, 0.0)
+    """How far the body has come since the percept before, forward and to the left."""
+    bearings: bytes = b""
+    """float32, (frames in the inbox, 2): range_m and bearing_rad in (-pi, pi] of the sender of each frame,
+    counter-clockwise from the front of the body, as they were when the frame was sent."""
 
 
 class Percept(Message):
@@ -141,7 +145,21 @@ class Dock(Message, tag="dock"):
     """Stand in the tower's queue and take a charged battery; anywhere else it is `Stay`."""
 
 
-Motion = Stay | GoTo | Follow | Dock
+class Shift(Message, tag="shift"):
+    """Drive straight by this much, forward and to the left of the body's front, which never turns; then rest.
+
+    Holds until replaced. Only the discs of mission clear can; to any other body it is `Stay`.
+    """
+
+    x_m: float
+    y_m: float
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.x_m) and math.isfinite(self.y_m)):
+            raise ValueError("a motion needs finite numbers")
+
+
+Motion = Stay | GoTo | Follow | Dock | Shift
 
 
 class Action(Message):
@@ -164,13 +182,14 @@ class Action(Message):
 
 
 class Fault(Message):
-    """What happens to one node at the boundary before `tick`."""
+    """What happens to one node at the boundary before `tick`. `every`: which ticks a slow node is granted."""
 
     tick: Count
     verb: Verb
     node: NodeId
     memory: Memory = "lost"
     place: Place = "here"
+    every: Annotated[int, msgspec.Meta(ge=1, le=10**6)] = 1
 
 
 class Facts(Message):
@@ -181,7 +200,8 @@ class Facts(Message):
     pairs of node rows (sender, receiver) of every delivery decided in the tick. `visits`: (node, site) at the
     tick. `reports`: what nodes said of themselves. `radio`: frames sent, deliveries, out of range, otherwise
     lost, oversize, bytes sent. `battery_v`: float32 per node, NaN for the tower, empty where there are no
-    batteries. `incidents`: pairs of robots that have just come closer than bodies may.
+    batteries. `incidents`: pairs of robots that have just come closer than bodies may. `clearing`: what the
+    referee says, where there is one.
     """
 
     tick: Count
@@ -195,6 +215,7 @@ class Facts(Message):
     radio: tuple[int, int, int, int, int, int]
     battery_v: bytes = b""
     incidents: tuple[tuple[NodeId, NodeId], ...] = ()
+    clearing: Clearing | None = None
 
 
 class TruthBlock(Message):

@@ -38,6 +38,13 @@ class InQueue(Section, tag_field="kind", tag="queue"):
     """Each robot in its place of the tower's queue."""
 
 
+class Cluster(Section, tag_field="kind", tag="cluster"):
+    """Close together around a point of a floor plan, where the tower stands too unless it is told where."""
+
+    x_m: float
+    y_m: float
+
+
 class Robots(Section):
     """The team. Ids are `r2`, `r3`, ... behind the tower's `r1` unless `ids` names them.
 
@@ -45,6 +52,7 @@ class Robots(Section):
     `body_m`: the distance bodies keep from each other; 0 lets them pass freely. `noise_sd`: standard
     deviation of the noise on linear and rotational velocity, as a fraction of full speed, over one second.
     `start`: a list has a site for each robot, and says how many there are where `count` and `ids` do not.
+    In mission clear bodies are discs `body_m` wide, and every front is drawn by chance.
     `shared_last_visit`: robots sense when each site was really last visited, by whomever.
     """
 
@@ -52,7 +60,7 @@ class Robots(Section):
     count: Team | None = None
     ids: tuple[NodeId, ...] | None = None
     parameters: dict[str, Any] = {}
-    start: Fan | Poses | InQueue | tuple[Number, ...] = Fan()
+    start: Fan | Poses | InQueue | Cluster | tuple[Number, ...] = Fan()
     max_speed_m_s: Positive = 1.5
     max_turn_rad_s: Positive = 1.0
     sensor_range_m: NotNegative = 90.0
@@ -87,6 +95,21 @@ class BatterySection(Section):
     travelling_v_h: NotNegative = 0.33
     queueing_v_h: NotNegative = 0.10
     charge_s: NotNegative = 0.0
+
+
+class Sensors(Section):
+    """What robots of mission clear sense, and which referee judges them.
+
+    `detect_m`: how far they see, `rays`: in how many directions they measure. Noise is Gaussian: `noise_sd_m`
+    on all ranges, `bearing_sd_rad` on bearings, `odometry_sd` on each step, as a fraction of its length.
+    """
+
+    detect_m: Positive = 0.7
+    rays: Annotated[int, msgspec.Meta(ge=90, le=3600)] = 180
+    noise_sd_m: NotNegative = 0.0
+    bearing_sd_rad: NotNegative = 0.0
+    odometry_sd: NotNegative = 0.0
+    referee: Literal["exact", "raster", "both"] = "exact"
 
 
 class Range(Section, tag_field="kind", tag="range"):
@@ -146,15 +169,21 @@ class WireSection(Section):
 class PlannedFault(Section):
     """What befalls some nodes at a time: named in `nodes`, or the highest numbers by their share of the team.
 
-    `highest_ids_share` 0.2 means the 20 % of all nodes (the tower counted) with the largest numbers.
+    `highest_ids_share` 0.2 means the 20 % of all nodes (the tower counted) with the largest numbers. In
+    mission clear it may happen instead of `at_s` as soon as that share of the plan is clear, and to the
+    middle one, by number, of the living robots that last reported this `role` on the main line: while there
+    is none, it waits. A slow node is granted only ticks that are multiples of `every`, until it is 1 again.
     """
 
-    at_s: NotNegative
-    verb: Verb
+    at_s: NotNegative | None = None
+    verb: Verb | None = None
     nodes: tuple[NodeId, ...] = ()
     highest_ids_share: Share | None = None
     memory: Memory = "lost"
     place: Place = "here"
+    every: Annotated[int, msgspec.Meta(ge=1, le=10**6)] = 1
+    when_cleared_share: Share | None = None
+    role: str = ""
 
 
 class Scenario(Section):
@@ -163,7 +192,7 @@ class Scenario(Section):
     `ends_with_visit`: after `duration_s` it goes on to the first tick with a visit, at most as long again.
     """
 
-    mission: Literal["area", "line"]
+    mission: Literal["area", "line", "clear"]
     duration_s: Positive
     field: Field
     robots: Robots
@@ -174,6 +203,7 @@ class Scenario(Section):
     ends_with_visit: bool = False
     radio: RadioSection = RadioSection()
     battery: BatterySection | None = None
+    sensors: Sensors | None = None
     clock: ClockSection = ClockSection()
     watchdog: Watchdog = Watchdog()
     wire: WireSection = WireSection()

@@ -3,32 +3,27 @@
 On a grid they drive straight to wherever they are sent, on a graph along its edges.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from wire.fields import Graph
-from wire.messages import Action, Pose
+from wire.messages import Pose
 from wire.scenario import Scenario
 from world_server.cells import Sites
 from world_server.edges import EdgeBody, Routes
+from world_server.mission import Mission, Pairs, Visits
 from world_server.motion import Body
-from world_server.nodes import ALIVE, Node
-
-Visits = tuple[tuple[str, int], ...]
-Pairs = tuple[tuple[str, str], ...]
+from world_server.nodes import ALIVE
 
 
-class Area:
-    """What a mission adds to the world: bodies, how they settle, and what counts as a visit."""
+class Area(Mission):
+    """Bodies drive to sites, and whoever arrives has visited."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self._scenario = scenario
+        super().__init__(scenario)
         field = scenario.field
         self._sites = Sites(field)
         self._routes = Routes(field) if isinstance(field, Graph) else None
         self._visited_tick = np.zeros(len(field.sites_m()), dtype="<u4")
-        self._nodes: Sequence[Node] = ()
 
     def body(self, name: str, pose: Pose) -> Body:
         """The body of a node."""
@@ -39,22 +34,10 @@ class Area:
             return EdgeBody(pose, scenario.robots.max_speed_m_s, self._routes)
         return Body(pose, scenario.robots.max_speed_m_s, scenario.robots.max_turn_rad_s)
 
-    def begin(self, nodes: Sequence[Node]) -> None:
-        """All nodes stand where they begin."""
-        self._nodes = nodes
-
     @property
     def restless(self) -> bool:
         """Is the next tick to be settled even though nobody moves or is due?"""
         return bool(self._complete())
-
-    def battery_v(self, row: int) -> float | None:
-        """There are no batteries."""
-        return None
-
-    def volts(self) -> bytes:
-        """There are no batteries."""
-        return b""
 
     def last_visits(self, tick: int) -> bytes:
         """What robots sense of visits as a tick begins, as Senses have it: nothing unless it is granted."""
@@ -73,12 +56,6 @@ class Area:
                 node.on_patrol = node.on_patrol and node.name not in done
             self._visited_tick[[site for _, site in visits]] = tick
         return visits
-
-    def acted(self, row: int, action: Action) -> None:
-        """What a node does concerns its own body only."""
-
-    def restarted(self, row: int, in_queue: bool) -> None:
-        """A new process finds the body where it lay."""
 
     def settle(self, tick: int) -> tuple[Visits, Pairs]:
         """One tick of all bodies. Returns further visits of the tick, and who has come too close to whom."""

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple, Protocol
 
 from wire.messages import Action, Event, Fault, Percept
-from wire.scenario import Scenario
+from world_server.fault_plan import FaultPlan
 from world_server.journal import Journal
 from world_server.records import Commit
 from world_server.world import World
@@ -55,16 +55,6 @@ class Swarm(Protocol):
         """Show observers a tick."""
 
 
-def planned_faults(scenario: Scenario) -> list[Fault]:
-    """The scenario's fault plan, one fault for each node it befalls, in order of time."""
-    plan = [
-        Fault(scenario.tick_of(one.at_s), one.verb, node, one.memory, one.place)
-        for one in sorted(scenario.faults, key=lambda one: one.at_s)
-        for node in scenario.nodes_of(one)
-    ]
-    return sorted(plan, key=lambda fault: fault.tick)
-
-
 class Clock:
     """Runs a world from tick 0 to its last: boundary, grants, answers, commit."""
 
@@ -72,7 +62,7 @@ class Clock:
         self._world = world
         self._swarm = swarm
         self._journal = journal
-        self._plan = planned_faults(world.scenario)
+        self._plan = FaultPlan(world)
         self._last_tick = last_tick
         self._longest = 2 * last_tick if world.scenario.ends_with_visit else last_tick
         self._oversize: Counter = Counter()
@@ -107,6 +97,8 @@ class Clock:
                 self._world.apply(faults[-1])
         commit = self._world.commit(tick, percepts, actions, tuple(faults))
         self._journal.append(commit)
+        if self._world.ends_tick is not None:
+            self._longest = self._last_tick = min(self._last_tick, self._world.ends_tick)
         self._swarm.show(commit)
         for node, frames in self._world.oversize.items():
             self._tell_oversize(tick, node, frames)
@@ -123,15 +115,12 @@ class Clock:
 
     def _after(self, tick: int) -> int:
         """The next tick at which anything happens, a planned fault and the end included."""
-        planned = self._plan[0].tick if self._plan else self._longest
-        coming = self._world.next_tick(tick)
-        soonest = min(self._longest, planned, self._longest if coming is None else coming)
-        return max(tick + 1, soonest)
+        coming = (self._longest, self._plan.next_tick(tick), self._world.next_tick(tick))
+        return max(tick + 1, min(one for one in coming if one is not None))
 
     def _boundary(self, tick: int) -> list[Fault]:
         faults = []
-        while self._plan and self._plan[0].tick <= tick:
-            fault = self._plan.pop(0)
+        for fault in self._plan.due(tick):
             if not self._befall(fault, happened=False):
                 faults.append(fault)
         for fault, happened, answer in self._swarm.boundary(tick):
@@ -145,11 +134,18 @@ class Clock:
         """Let a fault happen, unless it has. Returns why it could not, empty when it did."""
         trouble = self._world.can(fault)
         if not trouble and not happened:
-            trouble = self._swarm.enforce(fault)
+            trouble = self._slow(fault) if fault.verb == "slow" else self._swarm.enforce(fault)
         if trouble:
             text = f"{fault.verb} {fault.node} was not done: {trouble}"
             data = {"verb": fault.verb, "confirmed": False}
             self._swarm.tell(Event(fault.tick, "fault", fault.node, text, data))
             return trouble
         self._world.apply(fault)
+        return ""
+
+    def _slow(self, fault: Fault) -> str:
+        """Slowness is a matter of grants: nothing is done to a process."""
+        text = f"slow {fault.node}: it is granted each {fault.every} ticks"
+        data = {"verb": "slow", "confirmed": True, "every": fault.every}
+        self._swarm.tell(Event(fault.tick, "fault", fault.node, text, data))
         return ""

@@ -79,11 +79,16 @@ def from_geojson(text: str | bytes) -> shapely.Polygon:
         rings = _GEOJSON.decode(text).rings()
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         raise PlanError(f"must be GeoJSON with a polygon, but {_first_line(error)}") from None
+    return from_rings(*rings)
+
+
+def from_rings(*polygons: tuple[Ring, ...]) -> shapely.Polygon:
+    """The plan of one polygon, given as its outer ring and its islands. Raises PlanError."""
     try:
-        polygons = [shapely.Polygon(*_shell_and_holes(one)) for one in rings]
+        made = [shapely.Polygon(*_shell_and_holes(rings)) for rings in polygons]
+        return _one_polygon(shapely.MultiPolygon(made))
     except (shapely.errors.ShapelyError, ValueError) as error:
         raise PlanError(f"must be the rings of a polygon, but {_first_line(error)}") from None
-    return _one_polygon(shapely.MultiPolygon(polygons))
 
 
 def from_bitmap(grey: np.ndarray, metres_per_px: float) -> shapely.Polygon:

@@ -7,7 +7,7 @@ as the paper gives none.
 import math
 
 from wire.line import Line
-from wire.messages import Dock, Follow, GoTo, Motion, Pose, Stay
+from wire.messages import Dock, Follow, GoTo, Motion, Pose, Shift, Stay
 from wire.scenario import Fan, InQueue, Poses, Scenario
 from world_server.chance import generator
 
@@ -46,7 +46,7 @@ class Body:
         Returns whether the body is already where it has just been sent.
         """
         before = self.goal
-        if isinstance(motion, (Stay, Dock)):
+        if isinstance(motion, (Stay, Dock, Shift)):
             self.goal = None
         elif isinstance(motion, Follow):
             self.goal = GoTo(*motion.path_m[-1])

@@ -14,7 +14,10 @@ LETTER_BYTES = 32  # more than what a frame needs around its payload
 
 
 class Letter(NamedTuple):
-    """A frame on its way: when it is heard, sender's row and place in its outbox. Receivers share it."""
+    """A frame on its way: when it is heard, sender's row and place in its outbox. Receivers share it.
+
+    `bearing`: range_m and bearing_rad at which a receiver measured the sender, in missions that have it.
+    """
 
     heard_tick: int
     sent_tick: int
@@ -22,6 +25,7 @@ class Letter(NamedTuple):
     index: int
     frame: Frame
     reference: FrameRef
+    bearing: tuple[float, float] = (0.0, 0.0)
 
 
 class Node:
@@ -34,6 +38,7 @@ class Node:
         self.mode = ALIVE
         self.incarnation = 0
         self.newborn = True
+        self.every = 1
         self.grants = 0
         self.refused_frames = 0
         self.seen: tuple[str, ...] = ()
@@ -51,7 +56,7 @@ class Node:
 
     def due(self, tick: int, seen: tuple[str, ...] | None) -> Why | None:
         """Why this node is to be granted `tick`, or None. `seen`: names in sight, where it asked for them."""
-        if self.mode != ALIVE:
+        if self.mode != ALIVE or tick % self.every:
             return None
         if self.newborn:
             return "start"
@@ -74,6 +79,10 @@ class Node:
 
     def next_due(self, tick: int) -> int | None:
         """The first tick after `tick` at which time or a frame on its way makes this node due."""
+        wanted = self._next_wanted(tick)
+        return None if wanted is None else -(-wanted // self.every) * self.every
+
+    def _next_wanted(self, tick: int) -> int | None:
         if self.mode != ALIVE:
             return None
         if self.arrival_pending and self._wake_on & WAKE_ON_ARRIVAL:

@@ -10,8 +10,8 @@ from wire.line import Line
 from wire.messages import Action, Dock, Pose
 from wire.scenario import Scenario
 from world_server import chance
-from world_server.area import Pairs, Visits
 from world_server.battery import NOTHING, PATROLLING, QUEUEING, TRAVELLING, Batteries
+from world_server.mission import Mission, Pairs, Visits
 from world_server.motion import Body
 from world_server.nodes import ALIVE, DEAD, Node
 from world_server.passes import AT_SITE_M, Passes
@@ -22,11 +22,11 @@ BLOCK = 1024
 DOCK_SLACK_M = 0.05
 
 
-class LinePatrol:
-    """What a mission adds to the world: bodies, how they settle, and what counts as a visit."""
+class LinePatrol(Mission):
+    """Bodies follow paths, keep their distance, lose charge, and pass sites."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self._scenario = scenario
+        super().__init__(scenario)
         self._line = Line(scenario.field, (scenario.tower.x_m, scenario.tower.y_m))
         self._drive = _drive(scenario)
         names = scenario.robot_ids
@@ -75,10 +75,6 @@ class LinePatrol:
         for row, charge_v in zip(self._rows, self._batteries.volts, strict=True):
             volts[row] = charge_v
         return np.array(volts, dtype="<f4").tobytes()
-
-    def last_visits(self, tick: int) -> bytes:
-        """Robots sense nothing of visits."""
-        return b""
 
     def visits(self, tick: int) -> Visits:
         """The visits of the last tick's motion."""

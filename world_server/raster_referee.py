@@ -6,11 +6,12 @@ that all of it is. Contamination spreads to the four neighbours: cells that touc
 """
 
 from collections.abc import Sequence
+from functools import partial, reduce
 
 import numpy as np
 import shapely
 
-from world_server.referee import Place, Places, Verdict, Watch
+from world_server.referee import Corners, Place, Places, Verdict, Watch, unbroken_ways
 
 HALF_DIAGONAL = 0.71  # of a cell
 LOOK_PER_CELL = 2
@@ -55,18 +56,30 @@ class RasterReferee:
         return Verdict(self._area_m2(self._contaminated), 0.0, 0.0)
 
     def step(
-        self, before_m: Places, after_m: Places, alive_before: Sequence[bool], alive_after: Sequence[bool]
+        self,
+        before_m: Places,
+        after_m: Places,
+        alive_before: Sequence[bool],
+        alive_after: Sequence[bool],
+        corners_m: Corners = (),
     ) -> Verdict:
         """One tick in which each robot went from one place to another; all in the same order of robots."""
         seen, lit, contaminated = self._seen, self._lit, self._contaminated
         self._lit = self._look(after_m, alive_after)
         watched = np.zeros_like(self._free)
-        for before, after, *lives in zip(before_m, after_m, alive_before, alive_after, strict=True):
-            if all(lives) and before in seen and self._watch.unbroken(before, after):
-                watched.ravel()[np.intersect1d(seen[before], self._seen[after], assume_unique=True)] = True
+        for way in unbroken_ways(self._watch, before_m, after_m, alive_before, alive_after, corners_m):
+            if way[0] in seen:
+                corners = [self._seen_from(np.array(corner)) for corner in way[1:-1]]
+                views = [seen[way[0]], *corners, self._seen[way[-1]]]
+                watched.ravel()[reduce(partial(np.intersect1d, assume_unique=True), views)] = True
         self._contaminated = _flood(contaminated & ~watched, self._free & ~watched) & ~self._lit
         lost = self._contaminated & ~contaminated
         return Verdict(*map(self._area_m2, (self._contaminated, lost, lost & lit)))
+
+    def shape(self) -> shapely.Geometry:
+        """What is contaminated, cell by cell."""
+        first = np.argwhere(self._contaminated) * self._cell_m + self._origin
+        return shapely.union_all(shapely.box(*first.T, *(first + self._cell_m).T))
 
     def _area_m2(self, cells: np.ndarray) -> float:
         return float(np.count_nonzero(cells) * self._cell_m**2)

@@ -13,6 +13,8 @@ end is caught.
 
 import math
 from collections.abc import Sequence
+from functools import reduce
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +27,8 @@ NOTHING_M2 = 1e-7
 
 Place = tuple[float, float]
 Places = Sequence[Place]
+Corners = Sequence[Places]
+"""Where each robot's way through a tick was not straight; empty: all were."""
 
 
 class Verdict(NamedTuple):
@@ -68,6 +72,24 @@ class Watch:
         return short and self._plan.covers(shapely.LineString((before, after)))
 
 
+def unbroken_ways(
+    watch: Watch,
+    before_m: Places,
+    after_m: Places,
+    alive_before: Sequence[bool],
+    alive_after: Sequence[bool],
+    corners_m: Corners,
+) -> list[Places]:
+    """The ways of all robots that live at both ends and do not jump, as their points; at rest that is one."""
+    ways = []
+    lives = zip(alive_before, alive_after, strict=True)
+    for robot, (before, after, alive) in enumerate(zip(before_m, after_m, lives, strict=True)):
+        way = (before, *(corners_m[robot] if corners_m else ()), after)
+        if all(alive) and all(watch.unbroken(*leg) for leg in pairwise(way)):
+            ways.append((before,) if len(set(way)) == 1 else way)
+    return ways
+
+
 class Referee:
     """Keeps the contaminated part of a plan, as polygons; robots see `detect_m` far, not through walls."""
 
@@ -86,7 +108,12 @@ class Referee:
         return Verdict(self.contaminated.area, 0.0, 0.0)
 
     def step(
-        self, before_m: Places, after_m: Places, alive_before: Sequence[bool], alive_after: Sequence[bool]
+        self,
+        before_m: Places,
+        after_m: Places,
+        alive_before: Sequence[bool],
+        alive_after: Sequence[bool],
+        corners_m: Corners = (),
     ) -> Verdict:
         """One tick in which each robot went from one place to another; all in the same order of robots.
 
@@ -96,13 +123,8 @@ class Referee:
         """
         seen, lit = self._seen, self._lit
         self._lit = self._look(after_m, alive_after)
-        watched = shapely.union_all(
-            [
-                seen[before] if before == after else seen[before].intersection(self._seen[after])
-                for before, after, *lives in zip(before_m, after_m, alive_before, alive_after, strict=True)
-                if all(lives) and before in seen and self._watch.unbroken(before, after)
-            ]
-        )
+        ways = unbroken_ways(self._watch, before_m, after_m, alive_before, alive_after, corners_m)
+        watched = shapely.union_all([self._along(seen, way) for way in ways if way[0] in seen])
         components = shapely.get_parts(self._plan.difference(watched))
         sources = [part.representative_point() for part in _sizeable(self.contaminated)]
         reached, _ = shapely.STRtree(sources).query(components, predicate="intersects")
@@ -113,6 +135,17 @@ class Referee:
         lost_m2 = max(0.0, contaminated_m2 - still_m2)
         given_up_m2 = self.contaminated.intersection(lit).area if lost_m2 > NOTHING_M2 else 0.0
         return Verdict(contaminated_m2, lost_m2, given_up_m2)
+
+    def shape(self) -> shapely.Geometry:
+        """What is contaminated."""
+        return self.contaminated
+
+    def _along(self, seen: dict[Place, shapely.Polygon], way: Places) -> shapely.Polygon:
+        """What is seen all along a way from where somebody stood before."""
+        if len(way) == 1:
+            return seen[way[0]]
+        corners = [self._sight.seen_from(corner) for corner in way[1:-1]]
+        return reduce(shapely.intersection, corners, seen[way[0]].intersection(self._seen[way[-1]]))
 
     def _look(self, places_m: Places, alive: Sequence[bool]) -> shapely.Geometry:
         """What living robots see; each place's view is kept until the next tick."""

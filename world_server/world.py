@@ -25,7 +25,7 @@ from wire.messages import (
 from wire.scenario import Scenario
 from world_server import chance, radio
 from world_server.area import Area
-from world_server.motion import first_poses
+from world_server.mission import Mission
 from world_server.nodes import ALIVE, FROZEN, STATES, Letter, Node
 from world_server.polyline import LinePatrol
 from world_server.records import Commit, FrameRef, Grant
@@ -38,8 +38,9 @@ class World:
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
         self.names = scenario.node_ids
-        self._mission = LinePatrol(scenario) if scenario.mission == "line" else Area(scenario)
-        self.nodes = {name: self._make(name, pose) for name, pose in first_poses(scenario).items()}
+        self._mission = _mission(scenario)
+        poses = self._mission.first_poses()
+        self.nodes = {name: self._make(name, pose) for name, pose in poses.items()}
         self._rows = list(self.nodes.values())
         self._row_of = {name: row for row, name in enumerate(self.names)}
         self._radio = radio.for_scenario(scenario)
@@ -104,6 +105,7 @@ class World:
             tally,
             self._mission.volts(),
             incidents,
+            self._mission.judged(tick),
         )
         return Commit(tick, grants, tuple(actions[name] for name in answered), _columns(deliveries), facts)
 
@@ -117,6 +119,8 @@ class World:
                 node.mode = FROZEN
             case "thaw":
                 node.thaw()
+            case "slow":
+                node.every = fault.every
             case "restart":
                 node.rise(fault.tick, fault.memory == "kept")
                 self._mission.restarted(self._row_of[fault.node], fault.place == "queue")
@@ -134,6 +138,21 @@ class World:
             return f"cannot {verb} {name} in the queue: only robots of a line patrol have a place there"
         return ""
 
+    @property
+    def ends_tick(self) -> int | None:
+        """The tick at which the mission ends, where it ends before its time."""
+        return self._mission.ends_tick
+
+    @property
+    def cleared_share(self) -> float:
+        """How much of a floor plan is clear, in the eyes of the referee."""
+        return self._mission.cleared_share
+
+    def middle_in_role(self, role: str) -> str | None:
+        """Of the living robots of the main line that last reported this role, the middle one by number."""
+        found = self._mission.in_role(role)
+        return found[len(found) // 2] if found else None
+
     def next_tick(self, tick: int) -> int | None:
         """The next tick at which anything can happen, or None when nothing ever will by itself."""
         if self._mission.restless or not all(node.body.at_rest for node in self._rows):
@@ -145,7 +164,7 @@ class World:
         return tick + 1 if newborn else min(due, default=None)
 
     def _make(self, name: str, pose: Pose) -> Node:
-        sensor_range_m = self.scenario.robots.sensor_range_m if name != self.scenario.tower.id else 0.0
+        sensor_range_m = self._mission.sensor_range_m if name != self.scenario.tower.id else 0.0
         return Node(name, self._mission.body(name, pose), sensor_range_m, self.scenario.radio.inbox_frames)
 
     def _percept(
@@ -163,6 +182,7 @@ class World:
             node.blocked_by,
             b"" if node.name == self.scenario.tower.id else shared,
         )
+        senses = self._mission.sensed(tick, row, senses, letters)
         self._refs[node.name] = tuple([letter.reference for letter in letters])
         inbox = tuple([letter.frame for letter in letters])
         configuration = self._configuration(node) if why == "start" else None
@@ -181,9 +201,9 @@ class World:
             key,
             scenario.tick_s,
             scenario.tower.id,
-            scenario.field,
+            self._mission.told,
             0.0 if is_tower else scenario.robots.max_speed_m_s,
-            (scenario.tower.x_m, scenario.tower.y_m),
+            self._mission.tower_m,
             0 if is_tower else scenario.robot_ids.index(node.name),
             scenario.robots.body_m,
         )
@@ -234,7 +254,7 @@ class World:
                 frame, reference = Frame(name, tick, payload), FrameRef(name, tick, index)
                 letter = Letter(heard_tick, tick, sender, index, frame, reference)
                 letters[sender, index, heard_tick] = letter
-            self._rows[receiver].deliver(letter)
+            self._rows[receiver].deliver(self._mission.addressed(letter, receiver))
         return deliveries, tally
 
     def _goals(self) -> np.ndarray:
@@ -242,6 +262,14 @@ class World:
         goals = [node.body.goal for node in self._rows]
         nowhere = (np.nan, np.nan)
         return np.array([nowhere if one is None else (one.x_m, one.y_m) for one in goals], dtype="<f8")
+
+
+def _mission(scenario: Scenario) -> Mission:
+    if scenario.mission == "clear":
+        from world_server.clear import Clear  # polygons take a while to import, and others do without
+
+        return Clear(scenario)
+    return LinePatrol(scenario) if scenario.mission == "line" else Area(scenario)
 
 
 def _names(seen: tuple[Sighting, ...]) -> tuple[str, ...]:

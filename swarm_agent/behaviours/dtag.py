@@ -125,7 +125,7 @@ class Dtag(Behaviour):
         As in the original it then reckons as if it had been there. A robot that has just arrived has nothing
         left to give up.
         """
-        for sender, sent_tick, bulletin in heard:
+        for sender, sent_tick, bulletin, *_ in heard:
             told = bulletin.message
             if told is None:
                 continue

@@ -174,7 +174,7 @@ class Dtap(Behaviour):
 
     def listen(self, tick: int, heard: Sequence[Heard]) -> None:
         """Take over idleness and bids, and answer requests. What is about a site that is none is ignored."""
-        for sender, sent_tick, bulletin in heard:
+        for sender, sent_tick, bulletin, *_ in heard:
             for word in bulletin.message or ():
                 if isinstance(word, Arrival):
                     self.idleness.hear(word.zero_tick, sent_tick)

@@ -109,7 +109,7 @@ class ExpectedReactive(Behaviour):
     def listen(self, heard: Sequence[Heard]) -> None:
         """Take in visits and intentions that neighbours said themselves; a later intention replaces."""
         sites = len(self.centres_m)
-        for sender, sent_tick, bulletin in heard:
+        for sender, sent_tick, bulletin, *_ in heard:
             decision = bulletin.message
             if decision is None or max(decision.visited, decision.target) >= sites:
                 continue

@@ -49,7 +49,7 @@ class Gbs(Reactive):
 
     def hear(self, heard: Sequence[Heard]) -> None:
         """Others' visits make sites less idle."""
-        for sender, sent_tick, bulletin in heard:
+        for sender, sent_tick, bulletin, *_ in heard:
             arrival = bulletin.message
             if arrival is not None and 0 <= arrival.site < len(self.sites_m):
                 known_tick = int(self.knowledge.visited_tick[arrival.site])

@@ -127,7 +127,7 @@ class LrPt(Behaviour):
         else:
             self.priority_s = min(most, self.priority_s + self.configuration.tick_s)
         taken_over = False
-        for sender, sent_tick, bulletin in heard:
+        for sender, sent_tick, bulletin, *_ in heard:
             duty = bulletin.message
             if sender == tower or duty is None:
                 continue
