@@ -1,6 +1,8 @@
 """Prototype: sweep lines."""
 import cmath, math
-import msgspec, numpy as np
+import numpy as np
+from wire.clearing import Standing
+from wire.messages import Shift
 from swarm_agent.behaviour import Behaviour, Move, Parameters as Base
 from swarm_agent.geometry import clearance_m, nearest, roll, shortened, turn_rad, unit, NOTHING
 from swarm_agent.peers import Eye, Peers, number
@@ -8,9 +10,6 @@ from swarm_agent.sweep_radio import Beacon, Flow, WALL, NOBODY
 from swarm_agent.surveillance_graph import SurveillanceGraph
 from swarm_agent.graph_copy import NOTHING as NO_VERSION
 
-class Shift(msgspec.Struct):
-    x_m: float
-    y_m: float
 
 DEAD=6
 class Parameters(Base):
@@ -31,7 +30,7 @@ class SweepLine(Behaviour):
         self.contact=0j; self.pinned=self.halt=self.close=self.ready=False; self.stage=''
         self.wall=0j; self.moved=0; self.ahead=0; self.rank=9999; self.tail=1; self.crumbs=[]; self.wait=0
         self.from_left=self.from_right=None; self.in_left=self.in_right=None; self.angle=0.; self.open=True
-        self.event=''; self.claim=''; self.hand='left'; self.target=0; self.born=None; self.wanted=(False,0,0,0); self.order=0; self.taut=0; self.rounds=0; self.pushed=0; self.order_since=0; self.still_since=0; self.place=0; self.obstacle=None
+        self.event=''; self.claim=''; self.hand='left'; self.target=0; self.born=None; self.wanted=(False,0,0,0); self.order=0; self.taut=0; self.rounds=0; self.pushed=0; self.order_since=0; self.still_since=0; self.place=0; self.beside='left'; self.obstacle=None
     def describe(self):
         return dict(role=self.role,l=self.left,r=self.right,old=self.old,line=self.line,halt=self.halt,pin=self.pinned,close=self.close,ready=self.ready,open=self.open,ahead=self.ahead,rank=self.rank,tail=self.tail,ang=round(math.degrees(self.angle)),moved=self.moved,stage=self.stage,il=self.in_left and (self.in_left.count,self.in_left.moved,self.in_left.open,self.in_left.halt),ir=self.in_right and (self.in_right.count,self.in_right.moved,self.in_right.open,self.in_right.halt),claim=self.claim,g=(self.graph.version.events,self.graph.main))
     # ------------------------------------------------------------- step
@@ -58,12 +57,16 @@ class SweepLine(Behaviour):
         way=self._motion()
         if abs(way)>1e-6:
             self.moved=self.tick
-        return Move(motion=Shift(way.real,way.imag), say=(self._beacon(),), wake_tick=self.tick+1)
+        return Move(motion=Shift(way.real,way.imag), say=(self._beacon(),), wake_tick=self.tick+1, report=self._standing())
     def _beacon(self):
         old=[p.beacon.version for p in self.known.values() if p.beacon.version<self.graph.version]
         delta=self.graph.delta_since(min(old)) if old else None
         w=(self.contact if self.role=='leader' else self.wall)-self.here
         return Beacon(self.role,self.line,self.since,self.left,self.right,self.ahead,self.rank,self.tail,self.eye.packed(self.ranges),self.peers.measured,self.from_left,self.from_right,self.pinned,self.close,self.ready,w.real,w.imag,self.graph.version,delta,self.stage)
+    def _standing(self):
+        name=lambda n: 'wall' if n==WALL else f'r{n}' if n>0 else ''
+        kinds=tuple(k for k in('split','search failed','search','dissolve') if self.event.startswith(k))[:1]
+        return Standing(role=self.role,line=max(self.line,0),main=self.is_main() and self.on_line,left=name(self.left),right=name(self.right),claim=self.claim,events=tuple(k.replace(' ','_') for k in kinds))
     @property
     def on_line(self): return self.role in('leader','centre','leave')
     def peer(self,n): return self.known.get(n)
@@ -265,27 +268,31 @@ class SweepLine(Behaviour):
         if self.order!=self.place: self.taut=0; self.pushed=self.tick
         if self.role!='centre': self.halt=False; return
         # ready: left neighbour pinned and we see its wall
-        self.ready=False
-        l=self.peer(self.left)
-        if l and l.beacon.pinned and l.beacon.right==self.me:
-            w=l.here+l.turn*l.beacon.wall
-            self.pinned=self.halt=False
-            if self._sees(w):
-                self.ready=True; self.wall=w
-        if l and l.beacon.right==WALL and l.beacon.stage=='cut' and self.wall:
-            self.left=WALL; self.contact=self.wall; self.role='leader'; self.line=l.beacon.line+1; self.since=l.beacon.since; self.stage=''; self.ready=False; self.pinned=False; self.halt=False
-            return
-        if l and l.beacon.pinned: return
+        was,self.ready=self.ready,False
+        for side,p,back in(('left',self.peer(self.left),'right'),('right',self.peer(self.right),'left')):
+            if p is None: continue
+            theirs=getattr(p.beacon,back)
+            if p.beacon.pinned and theirs==self.me and (side=='left' or not self.pinned):
+                w=p.here+p.turn*p.beacon.wall
+                self.pinned=self.halt=False
+                if self._sees(w):
+                    self.ready=True; self.wall=w
+                self.beside=side
+            if theirs==WALL and p.beacon.stage=='cut' and was and self.beside==side:
+                setattr(self,side,WALL); self.contact=self.wall; self.role='leader'; self.since=p.beacon.since
+                self.line=p.beacon.line+(1 if side=='left' else -1); self.stage=''; self.ready=False; self.pinned=self.halt=False
+                return
+        if self.ready or any(p and p.beacon.pinned for p in(self.peer(self.left),)): return
         if self.obstacle is None:
             self.halt=False; 
             if self.pinned and not self._sees(self.wall): self.pinned=False
             if not self.pinned: return
         if self.obstacle is not None and not self.pinned:
             self.wall=complex(self.ends[self.obstacle]); self.halt=True
-        if self.pinned:
-            r=self.peer(self.right)
-            if r and r.beacon.ready and r.beacon.left==self.me and not self.old:
-                self._cut(r); return
+        if self.pinned and self.is_main():
+            for side,p,theirs in(('right',self.peer(self.right),'left'),('left',self.peer(self.left),'right')):
+                if p and p.beacon.ready and getattr(p.beacon,theirs)==self.me and not self.old and self._whole():
+                    self._cut(side); return
         if self.quiet():
             kw=int(np.argmin(np.abs(self.ends-self.wall)+(~self.fin)*9))
             lo=(self.in_left.open) or bool(self.frontier[:kw].any()); ro=(self.in_right.open) or bool(self.frontier[kw:].any())
@@ -340,12 +347,14 @@ class SweepLine(Behaviour):
         if d>0.6: return False
         r=self.ranges[[self.eye.ray(w-self.here)-1,self.eye.ray(w-self.here),(self.eye.ray(w-self.here)+1)%self.eye.rays]]
         return bool(r.max()>=d-0.05)
-    def _cut(self,r):
-        nl=(self.in_left.count if self.in_left else 0)+1; nr=self.in_right.count
-        l,rr=self.graph.split(nl,nr)
-        self.graph.activate(l if nl>=nr else rr)
-        self.line,self.since=l,self.tick
-        self.right=WALL; self.contact=self.wall; self.role='leader'; self.stage='cut'; self.pinned=self.halt=False
+    def _cut(self,side):
+        nl=self.in_left.count+(side=='right'); nr=self.in_right.count+(side=='left')
+        if True:
+            l,rr=self.graph.split(nl,nr)
+            self.graph.activate(l if nl>=nr else rr)
+            self.line=l if side=='right' else rr
+        self.since=self.tick
+        setattr(self,side,WALL); self.contact=self.wall; self.role='leader'; self.stage='cut'; self.pinned=self.halt=False
         self.event='split'
     def _finish(self):
         self.event='dissolve'
@@ -454,8 +463,9 @@ class SweepLine(Behaviour):
             d=abs(a.here-b.here)
             if d<=f-0.1 and a.beacon.right==self.me and b.beacon.left==self.me and not b.beacon.close and not a.beacon.pinned and not a.beacon.close and self._margin(a.here,b.here,np.concatenate((self._walls(a),b.hits(self.eye))))>=self.step_m:
                 self.role='leave'; self.wait=self.tick
-        if a.beacon.pinned and not self.ready:
-            w=a.here+a.turn*a.beacon.wall
+        pivot=a if a.beacon.pinned else b if b.beacon.pinned else None
+        if pivot and not self.ready:
+            w=pivot.here+pivot.turn*pivot.beacon.wall
             if abs(w-self.here)>0.35:
                 way=self._best(w-self.here)
                 if way: return way
