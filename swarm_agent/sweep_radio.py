@@ -9,7 +9,7 @@ import msgspec
 
 from swarm_agent.graph_copy import Delta, Version
 
-Role = Literal["free", "file", "join", "leader", "centre", "leave"]
+Role = Literal["anchor", "free", "file", "join", "leader", "centre", "leave"]
 NOBODY, WALL = 0, -1
 Number = Annotated[int, msgspec.Meta(ge=-1, le=9999)]
 Tick = Annotated[int, msgspec.Meta(ge=-1, le=2**53)]
@@ -73,8 +73,10 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     delta: Delta | None
     stage: str = ""
     gap: bool = False
-    anchor: int = 0
     epoch: int = 0
+    anchor: int = 0
+    courier: int = 0
+    dead: tuple[int, ...] = ()
 
     @property
     def wall(self) -> complex:

@@ -1,5 +1,6 @@
 """Prototype: sweep lines."""
 import cmath, math
+import msgspec
 import numpy as np
 from wire.clearing import Standing
 from wire.messages import Shift
@@ -15,6 +16,11 @@ DEAD=6
 class Parameters(Base):
     follow_m: float = 1.0
     obstacle_m: float = 0.25
+    team: int = 0
+    restarts: int = 6
+    patience: int = 3000
+    def settled(self, team_size):
+        return self if self.team else msgspec.structs.replace(self, team=team_size-1)
 
 class SweepLine(Behaviour):
     Parameters = Parameters
@@ -30,7 +36,7 @@ class SweepLine(Behaviour):
         self.contact=0j; self.pinned=self.halt=self.close=self.ready=False; self.stage=''
         self.wall=0j; self.moved=0; self.ahead=0; self.rank=9999; self.tail=1; self.crumbs=[]; self.wait=0
         self.from_left=self.from_right=None; self.in_left=self.in_right=None; self.angle=0.; self.open=True
-        self.event=''; self.claim=''; self.hand='left'; self.target=0; self.born=None; self.wanted=(False,0,0,0); self.order=0; self.taut=0; self.rounds=0; self.pushed=0; self.order_since=0; self.still_since=0; self.place=0; self.beside='left'; self.obstacle=None
+        self.event=''; self.claim=''; self.hand='left'; self.target=0; self.born=None; self.wanted=(False,0,0,0); self.order=0; self.taut=0; self.rounds=0; self.pushed=0; self.order_since=0; self.still_since=0; self.place=0; self.beside='left'; self.epoch=0; self.anchor=0; self.courier=0; self.dead=set(); self.left_anchor=False; self.gathered=0; self.restarts=0; self.turns=[]; self.walked=0.; self.obstacle=None
     def describe(self):
         return dict(role=self.role,l=self.left,r=self.right,old=self.old,line=self.line,halt=self.halt,pin=self.pinned,close=self.close,ready=self.ready,open=self.open,ahead=self.ahead,rank=self.rank,tail=self.tail,ang=round(math.degrees(self.angle)),moved=self.moved,stage=self.stage,il=self.in_left and (self.in_left.count,self.in_left.moved,self.in_left.open,self.in_left.halt),ir=self.in_right and (self.in_right.count,self.in_right.moved,self.in_right.open,self.in_right.halt),claim=self.claim,g=(self.graph.version.events,self.graph.main))
     # ------------------------------------------------------------- step
@@ -39,6 +45,7 @@ class SweepLine(Behaviour):
         if self.born is None: self.born=percept.tick
         s=percept.senses
         self.peers.take(percept.tick, complex(*s.odometry_m), heard)
+        self.gone_peers={n:p for n,p in self.peers.known.items() if self.tick-p.tick>DEAD}
         self.known={n:p for n,p in self.peers.known.items() if self.tick-p.tick<=DEAD}
         self.peers.known=self.known
         self.here=self.peers.here
@@ -49,6 +56,7 @@ class SweepLine(Behaviour):
         for p in self.known.values():
             if p.beacon.delta is not None: self.graph.take(p.beacon.delta)
         self.event=''
+        self._epochs()
         if self.role in('leader','centre','join','leave'):
             self._links()
         if self.role in('leader','centre','join','leave'):
@@ -62,7 +70,7 @@ class SweepLine(Behaviour):
         old=[p.beacon.version for p in self.known.values() if p.beacon.version<self.graph.version]
         delta=self.graph.delta_since(min(old)) if old else None
         w=(self.contact if self.role=='leader' else self.wall)-self.here
-        return Beacon(self.role,self.line,self.since,self.left,self.right,self.ahead,self.rank,self.tail,self.eye.packed(self.ranges),self.peers.measured,self.from_left,self.from_right,self.pinned,self.close,self.ready,w.real,w.imag,self.graph.version,delta,self.stage)
+        return Beacon(self.role,self.line,self.since,self.left,self.right,self.ahead,self.rank,self.tail,self.eye.packed(self.ranges),self.peers.measured,self.from_left,self.from_right,self.pinned,self.close,self.ready,w.real,w.imag,self.graph.version,delta,self.stage,self._wants() if self.on_line else False,self.epoch,self.anchor,self.courier,tuple(sorted(self.dead)))
     def _standing(self):
         name=lambda n: 'wall' if n==WALL else f'r{n}' if n>0 else ''
         kinds=tuple(k for k in('split','search failed','search','dissolve') if self.event.startswith(k))[:1]
@@ -96,6 +104,12 @@ class SweepLine(Behaviour):
         return self.old_side.get(n,'left')
     old_side={}
     def _links(self):
+        if self.stage=='form':
+            p=self.peer(self.right)
+            if p is None or p.beacon.left!=self.me:
+                if p is None or self.tick-self.wait>150: self._retry()
+                return
+            self.stage=''
         for n in list(self.old):
             p=self.peer(n)
             if p is None or (p.beacon.left!=self.me and p.beacon.right!=self.me): self.old.discard(n)
@@ -152,8 +166,36 @@ class SweepLine(Behaviour):
     def _dissolved(self):
         h='left'
         self._to_file(); self.stage='gone'; self.gone=self.tick
+    def _epochs(self):
+        for p in self.known.values():
+            b=p.beacon
+            self.dead|=set(b.dead)-{self.me}
+            if b.epoch>self.epoch or b.epoch==self.epoch and b.anchor and b.anchor<self.anchor:
+                self.epoch,self.anchor,self.courier=b.epoch,b.anchor,b.courier
+                self._to_file(); self.stage='gone'; self.claim=''; self.left_anchor=False
+                if self.courier==self.me or p.number==self.courier: self.hand='right'
+    def _restart(self,why):
+        """All that was clear is lost: everybody gathers where I am, and the team begins again."""
+        self.event='restart '+why
+        if self.graph.main is not None: self.graph.release(None)
+        for l in list(self.graph.lines()):
+            if l in self.graph.lines(): self.graph.release(l)
+        near=[p.number for p in self.known.values() if p.beacon.role!='free']
+        self._to_file(); self.epoch+=1; self.anchor=self.me; self.courier=max(near,default=0); self.role='anchor'; self.stage='gather'
+        self.gathered=self.tick; self.claim=''; self.walked=0.; self.turns=[]; self.restarts+=1
     def _lost(self,side,n):
-        self.event='lost %d'%n
+        """A neighbour is silent for good."""
+        old=self.gone_peers.get(n)
+        self.dead.add(n); self.event='lost %d'%n
+        if old is not None:
+            onward=getattr(old.beacon,side)
+            z=self.peer(onward) if onward>0 else None
+            if z and self._link(z,side)>=0: self._replace(side,n,onward); self.old.discard(n); return
+            if onward==WALL and self.role=='centre':
+                w=old.here+old.turn*old.beacon.wall
+                if self._sees(w): setattr(self,side,WALL); self.contact=w; self.role='leader'; self.stage=''; return
+        if self.graph.main is None and not self.graph.lines(): self._to_file(); return
+        self._restart('after %d'%n)
     # ------------------------------------------------------------- looking
     def _look(self):
         P=self.known
@@ -337,11 +379,22 @@ class SweepLine(Behaviour):
         self.event='search failed'; self.rounds=0
         self._park()
     def _park(self):
+        """What to do with a line that cannot go on."""
         self._give(0)
+        n=self.parameters.team-len(self.dead)
         lines=self.graph.lines()
-        others=[l for l in lines]
-        if not others: self.claim='failed'; return
-        self.claim='failed'
+        held={l:e.robots for l,e in lines.items()}
+        mine=self.count
+        best=None
+        for l,e in lines.items():
+            free=n-mine-sum(h for k,h in held.items() if k!=l)
+            need=self.graph.vertex(self.graph.ahead_of(l)).robots
+            if free>e.robots and free>=need and (best is None or l>best): best=l
+        if best is not None and self.graph._entries(self.graph.main.vertex):
+            self.graph.park(n-sum(held.values())); self.graph.activate(best); self.line=max(self.graph.lines()); self.since=self.tick
+            self.event='search failed; parked, next %d'%best; return
+        if self.restarts<self.parameters.restarts: self._restart('elsewhere')
+        else: self.claim='failed'
     def _sees(self,w):
         d=abs(w-self.here)
         if d>0.6: return False
@@ -368,6 +421,7 @@ class SweepLine(Behaviour):
     # ------------------------------------------------------------- motion
     def _motion(self):
         if self.role=='free': return self._form()
+        if self.role=='anchor': return self._gather()
         if self.role=='leader': return self._lead()
         if self.role in('centre','leave'): return self._keep()
         if self.role=='join': return 0j
@@ -379,6 +433,7 @@ class SweepLine(Behaviour):
         at=self.here+way
         if barrier:
             for p,side in self._respected():
+                if self.tick-p.tick>2: return False
                 m=self._link(p,side,at)
                 if m<self.step_m:
                     now=self._margins.get(p.number)
@@ -511,18 +566,51 @@ class SweepLine(Behaviour):
         # anchor
         self.contact=nearest(self.hits,self.here); out=unit(self.here-self.contact); spot=self.here-1j*out*0.3
         b=min(self.known.values(),key=lambda p:abs(p.here-spot))
-        self.role='leader'; self.left=WALL; self.right=b.number; self.stage='form'
+        self.role='leader'; self.left=WALL; self.right=b.number; self.stage='form'; self.wait=self.tick; self.line=0; self.since=self.tick
         return 0j
+    def _retry(self):
+        near=[p for p in self.known.values() if p.beacon.role in('file','free') and p.beacon.epoch==self.epoch and p.number!=self.right]
+        if near: self.right=near[(self.tick//150)%len(near)].number
+        self.wait=self.tick
     def _second(self,p):
         w=p.here+p.turn*p.beacon.wall; out=unit(p.here-w); spot=p.here-1j*out*0.3
         c=nearest(self.hits,self.here)
         if c is not None and abs(c-self.here)<0.4 and abs(p.here-self.here)<0.55 and ((self.here-p.here)/(-1j*out)).real>0.1:
-            self.role='leader'; self.left=p.number; self.right=WALL; self.contact=c; self.moved=self.tick
+            self.role='leader'; self.left=p.number; self.right=WALL; self.contact=c; self.moved=self.tick; self.line=0; self.since=p.beacon.since
             self.graph.begin(2)
             return 0j
         return self._best(spot-self.here,barrier=False)
+    def _gather(self):
+        """The anchor walks on along its wall to a corner, waits for everybody, and forms a line with one of them."""
+        n=self.parameters.team-len(self.dead)
+        here=1+self._spare()
+        if self.stage=='gather' and self.restarts>1 and self.walked<12.:
+            before=self.contact-self.here
+            way=self._travel_on()
+            self.walked+=abs(way)
+            if way: self.turns=(self.turns+[unit(way)])[-24:]
+            if self.walked>4. and len(self.turns)==24 and turn_rad(self.turns[0],self.turns[-1],'right')<math.pi and turn_rad(self.turns[0],self.turns[-1],'right')>1.0: self.walked=99.
+            return way
+        c=nearest(self.hits,self.here)
+        if c is None:
+            others=[p.hits(self.eye) for p in self.known.values()]
+            c=nearest(np.concatenate(others),self.here) if others else None
+            return self._best((c-self.here) if c is not None else self.step_m+0j,barrier=False)
+        self.contact=c
+        waited=self.tick-self.gathered
+        if here<n and waited<self.parameters.patience or here<2: return 0j
+        if abs(c-self.here)>self.parameters.obstacle_m+0.02: return self._best(c-self.here,barrier=False,wall_m=0.1)
+        out=unit(self.here-c); spot=self.here-1j*out*0.3
+        near=[p for p in self.known.values() if p.beacon.role in('file','free') and p.beacon.epoch==self.epoch and abs(p.here-self.here)<1.2]
+        if not near: return 0j
+        b=min(near,key=lambda p:abs(p.here-spot))
+        self.role='leader'; self.left=WALL; self.right=b.number; self.stage='form'; self.wait=self.tick; self.line=0; self.since=self.tick
+        return 0j
     # ------------------------------------------------------------- file
     def _file(self):
+        for p in self.known.values():
+            if p.beacon.role=='leader' and p.beacon.stage=='form' and p.beacon.right==self.me and p.beacon.epoch==self.epoch and self.graph.main is None:
+                return self._second(p)
         push=0j
         for p in self.known.values():
             if p.beacon.role:
@@ -532,9 +620,12 @@ class SweepLine(Behaviour):
         if self.role=='file' and push:
             way=self._best(unit(push)*self.step_m,barrier=False)
             if way: return way
+        if self.courier==self.me and self.epoch:
+            self.ahead=0; self.rank=9999
+            return self._travel()
         main=self.graph.main
         self.tail=min(50,1+self._spare())
-        def mine(p): return p.beacon.role in('leader','centre') and main is not None and p.beacon.line==main.line
+        def mine(p): return p.beacon.epoch==self.epoch and (p.beacon.role=='anchor' and self.courier!=self.me or p.beacon.role in('leader','centre') and main is not None and p.beacon.line==main.line)
         taken={p.beacon.ahead:p for p in self.known.values() if p.beacon.role=='file' and p.beacon.ahead}
         def free(p):
             if mine(p): return True
@@ -600,7 +691,13 @@ class SweepLine(Behaviour):
             if p.beacon.role=='leader': out.append(p.here+np.linspace(0,1,5)*p.turn*p.beacon.wall)
         return np.concatenate(out) if out else NOTHING
     def _travel(self):
-        if self.graph.main is None and not self.graph.lines(): return 0j
+        if self.courier==self.me and self.epoch:
+            a=self.peer(self.anchor)
+            if a is None: self.left_anchor=True
+            elif self.left_anchor: self.courier=0
+        elif self.graph.main is None and not self.graph.lines() and not self.anchor: return 0j
+        return self._travel_on()
+    def _travel_on(self):
         walls=np.concatenate((self.hits,self._lines_seen()))
         if not len(walls): 
             return shortened(self.contact-self.here,self.step_m)
