@@ -18,7 +18,7 @@ class Parameters(Base):
     obstacle_m: float = 0.25
     team: int = 0
     restarts: int = 6
-    patience: int = 3000
+    patience: int = 2500
     def settled(self, team_size):
         return self if self.team else msgspec.structs.replace(self, team=team_size-1)
 
@@ -36,7 +36,7 @@ class SweepLine(Behaviour):
         self.contact=0j; self.pinned=self.halt=self.close=self.ready=False; self.stage=''
         self.wall=0j; self.moved=0; self.ahead=0; self.rank=9999; self.tail=1; self.crumbs=[]; self.wait=0
         self.from_left=self.from_right=None; self.in_left=self.in_right=None; self.angle=0.; self.open=True
-        self.event=''; self.claim=''; self.hand='left'; self.target=0; self.born=None; self.wanted=(False,0,0,0); self.order=0; self.taut=0; self.rounds=0; self.pushed=0; self.order_since=0; self.still_since=0; self.place=0; self.beside='left'; self.epoch=0; self.anchor=0; self.courier=0; self.dead=set(); self.left_anchor=False; self.gathered=0; self.restarts=0; self.turns=[]; self.walked=0.; self.obstacle=None
+        self.event=''; self.claim=''; self.hand='left'; self.target=0; self.born=None; self.wanted=(False,0,0,0); self.order=0; self.taut=0; self.rounds=0; self.pushed=0; self.order_since=0; self.still_since=0; self.place=0; self.beside='left'; self.epoch=0; self.anchor=0; self.courier=0; self.dead=set(); self.left_anchor=False; self.gathered=0; self.restarts=0; self.turns=[]; self.walked=0.; self.aim=0j; self.main_since=0; self.nearest_m=9.; self.nearer=0; self.obstacle=None
     def describe(self):
         return dict(role=self.role,l=self.left,r=self.right,old=self.old,line=self.line,halt=self.halt,pin=self.pinned,close=self.close,ready=self.ready,open=self.open,ahead=self.ahead,rank=self.rank,tail=self.tail,ang=round(math.degrees(self.angle)),moved=self.moved,stage=self.stage,il=self.in_left and (self.in_left.count,self.in_left.moved,self.in_left.open,self.in_left.halt),ir=self.in_right and (self.in_right.count,self.in_right.moved,self.in_right.open,self.in_right.halt),claim=self.claim,g=(self.graph.version.events,self.graph.main))
     # ------------------------------------------------------------- step
@@ -74,7 +74,7 @@ class SweepLine(Behaviour):
     def _standing(self):
         name=lambda n: 'wall' if n==WALL else f'r{n}' if n>0 else ''
         kinds=tuple(k for k in('split','search failed','search','dissolve') if self.event.startswith(k))[:1]
-        return Standing(role=self.role,line=max(self.line,0),main=self.is_main() and self.on_line,left=name(self.left),right=name(self.right),claim=self.claim,events=tuple(k.replace(' ','_') for k in kinds))
+        return Standing(role=self.role,line=max(self.line,0),main=self.is_main() and self.on_line,left=name(self.left),right=name(self.right),claim=self.claim,releasing=self.graph.main is None and not self.graph.lines(),events=tuple(k.replace(' ','_') for k in kinds))
     @property
     def on_line(self): return self.role in('leader','centre','leave')
     def peer(self,n): return self.known.get(n)
@@ -348,7 +348,7 @@ class SweepLine(Behaviour):
         self.order=order; self.order_since=self.tick
     def _command(self):
         """Of a line's right leader: what to do when the line cannot go on."""
-        if not self.is_main() or not self._whole() or self.left==WALL: self.order=0; return
+        if not self.is_main() or not self._whole() or self.left==WALL: self.order=0; self.main_since=self.tick; return
         f=self.in_left; n=self.count; now=self.tick-self.order_since
         if self.order!=0 and (self.any_pinned() or f.halt):
             self.order_since=self.tick
@@ -358,13 +358,16 @@ class SweepLine(Behaviour):
             if not self.quiet() or self.any_pinned() and not self._stuck_long(): 
                 return
             spare=f.spare+self._spare()
-            if self.tick-max(self.moved,f.moved)<=2*n+(30 if spare==0 else 200): return
+            mine=self.graph.main.line
+            coming=self.parameters.team-len(self.dead)-n-spare-sum(e.robots for l,e in self.graph.lines().items() if l!=mine)
+            if self.tick-max(self.moved,f.moved,self.main_since)<=2*n+(30 if spare==0 and coming<=0 else 200 if coming<=0 else self.parameters.patience): return
             if n<3 or self.any_pinned(): self._fail(); return
             self.rounds+=1; self._give(-1); self.event='search %d'%self.rounds
         elif self.order==-1:
             c=self.peer(self.left); a=self.peer(c.beacon.left) if c and c.beacon.left>0 else None
             if a and abs(a.here-self.here)<=0.95: self._give(2)
             elif self.tick-max(self.moved,f.moved)>2*n+20 and now>2*n+20: self._fail()
+            elif now>400: self._give(2)
         elif self.order>=2:
             if f.taut==self.order or now>200: 
                 if self.order<n-1: self._give(self.order+1)
@@ -536,6 +539,9 @@ class SweepLine(Behaviour):
         target=A+(B-A)*(arc/length) if length>1e-9 else self.here
         way=target-self.here
         if abs(way)<0.025: return 0j
+        if abs(target-self.aim)>0.05: self.aim=target; self.nearest_m=abs(way); self.nearer=self.tick
+        elif abs(way)<self.nearest_m-0.01: self.nearest_m=abs(way); self.nearer=self.tick
+        elif self.tick-self.nearer>10: return 0j
         return self._best(way)
     def _via(self,a,b,walls,end):
         """The point the taut link goes through next to `end`; `end` if it is straight."""
