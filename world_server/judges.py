@@ -61,7 +61,7 @@ class Judges:
         """The outline, once in a while and if it is new."""
         if tick % self._every_ticks:
             return b""
-        outline = outline_of(self._referees[0].shape())
+        outline = outline_of(self._referees[0].shape)
         if outline == self._outline:
             return b""
         self._outline = outline
