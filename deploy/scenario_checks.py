@@ -88,7 +88,9 @@ def _check_faults(scenario: Scenario) -> None:
     """Every fault has a node, a time within the run, and a state of the node in which it makes sense."""
     for number, fault in enumerate(scenario.faults):
         _check_fault(scenario, fault, f"faults[{number}]")
-    timed = [(number, one) for number, one in enumerate(scenario.faults) if one.at_s is not None]
+    if any(one.role or one.at_s is None for one in scenario.faults):
+        return  # whom they befall, and when, only the run will tell
+    timed = list(enumerate(scenario.faults))
     state = dict.fromkeys(scenario.node_ids, "alive")
     for number, fault in sorted(timed, key=lambda one: one[1].at_s):
         place = f"faults[{number}]"

@@ -123,7 +123,8 @@ class RasterReferee:
         far = np.hypot(ways[:, 0], ways[:, 1])
         checked = np.maximum(far - UNCHECKED_CELLS, 0.0) / np.maximum(far, 1e-12)
         shares = np.linspace(0, 1, LOOK_PER_CELL * self._margin + 1) * checked[:, None]
-        columns, rows = ((at + shares * way[:, None]).astype(int) for at, way in zip(here, ways.T, strict=True))
+        columns = (here[0] + shares * ways[:, :1]).astype(int)
+        rows = (here[1] + shares * ways[:, 1:]).astype(int)
         return self._free[columns, rows].all(axis=1)
 
 
