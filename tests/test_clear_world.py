@@ -1,4 +1,4 @@
-"""Mission clear as the world plays it: what robots are not told, frames, turned worlds, faults, and the end."""
+"""Mission clear in the world: what robots are not told, frames, turned worlds, faults, and the end."""
 
 import math
 from itertools import combinations, pairwise
@@ -67,9 +67,7 @@ def test_nothing_in_a_percept_changes_when_the_whole_world_is_moved(tmp_path):
 def test_nothing_in_a_percept_changes_when_the_whole_world_is_turned(tmp_path, turned_rad):
     """Twelve robots that run into walls and into each other: whatever they are told and do is the same."""
     plain = clearing(12, start=Cluster(5.0, 1.0), duration_s=60.0)
-    turned = msgspec.structs.replace(
-        plain, field=msgspec.structs.replace(plain.field, turned_rad=turned_rad)
-    )
+    turned = msgspec.structs.replace(plain, field=msgspec.structs.replace(plain.field, turned_rad=turned_rad))
     here, there = course(plain, tmp_path / "here"), course(turned, tmp_path / "there")
     assert percepts_hash(here.journal) == percepts_hash(there.journal)
     cos, sin = math.cos(turned_rad), math.sin(turned_rad)
@@ -110,7 +108,9 @@ def test_a_crowd_in_a_run_stays_apart_and_inside_dead_bodies_included(tmp_path):
 
 def test_a_cluster_is_packed_around_its_point_in_a_corner_too(tmp_path):
     for point in ((5.0, 1.0), (5.95, 0.05)):
-        run = course(clearing(7, start=Cluster(*point), parameters={"step_m": 0.0}), tmp_path / str(point[0]), 1)
+        run = course(
+            clearing(7, start=Cluster(*point), parameters={"step_m": 0.0}), tmp_path / str(point[0]), 1
+        )
         bodies = places_m(run.facts[0])[1:]
         apart_m = [math.dist(*pair) for pair in combinations(bodies, 2)]
         assert BODY_M < min(apart_m) < BODY_M + 0.03
@@ -206,7 +206,9 @@ def test_the_referee_sees_each_tick_as_it_was(tmp_path):
 
 def test_a_frozen_robot_sees_no_intruder(tmp_path):
     freeze, thaw = PlannedFault(5.0, "freeze", ("r2",)), PlannedFault(7.5, "thaw", ("r2",))
-    given = clearing(1, (BOX,), start=Poses(((2.0, 1.5, 0.0),)), faults=(freeze, thaw), parameters={"step_m": 0.0})
+    given = clearing(
+        1, (BOX,), start=Poses(((2.0, 1.5, 0.0),)), faults=(freeze, thaw), parameters={"step_m": 0.0}
+    )
     left_m2 = {one.tick: one.clearing.contaminated_m2 for one in course(given, tmp_path, 40).facts}
     assert left_m2[19] == left_m2[40] < left_m2[20] == pytest.approx(12)
 

@@ -1,4 +1,4 @@
-"""Bodies among walls and bodies: they go as far as they can, slide along walls, and are never where they cannot be."""
+"""Bodies among walls and bodies: they go as far as they can, slide along walls, and are never inside them."""
 
 import math
 

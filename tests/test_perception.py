@@ -86,7 +86,9 @@ def test_odometry_adds_up_to_the_way_in_the_robots_frame(run):
     done, given = run
     first_m = [(pose.x_m, pose.y_m) for pose in deployed(given).values()]
     for row, node in enumerate(given.node_ids[1:], start=1):
-        come = [one.senses.odometry_m for at in all_commits(done.journal) for one in at.grants if one.node == node]
+        come = [
+            one.senses.odometry_m for at in all_commits(done.journal) for one in at.grants if one.node == node
+        ]
         forward, left = np.sum(come, axis=0)
         moved = places_m(done.facts[-2])[row] - first_m[row]
         cos, sin = math.cos(fronts_rad(done)[row]), math.sin(fronts_rad(done)[row])
@@ -96,7 +98,7 @@ def test_odometry_adds_up_to_the_way_in_the_robots_frame(run):
 
 
 def test_bearings_are_those_of_the_tick_in_which_the_frame_was_sent(run):
-    """They stand in the order of the inbox, the tower's too, and are measured from where the hearer was then."""
+    """They stand in the order of the inbox, and are measured from where the hearer was then."""
     done, given = run
     fronts, measured = fronts_rad(done), 0
     for at in all_commits(done.journal):
@@ -141,7 +143,9 @@ def test_noise_has_the_spread_that_the_scenario_says_and_comes_again(tmp_path):
 def test_noise_on_odometry_grows_with_the_step(tmp_path):
     given = clearing(1, start=Poses(((2.0, 1.0, 0.0),)), sensors=Sensors(odometry_sd=0.1))
     done = course(given, tmp_path, 150)
-    told = [one.senses.odometry_m for at in all_commits(done.journal) for one in at.grants if one.node == "r2"]
+    told = [
+        one.senses.odometry_m for at in all_commits(done.journal) for one in at.grants if one.node == "r2"
+    ]
     moved = np.diff([places_m(one)[1] for one in done.facts], axis=0)
     errors = np.linalg.norm(told[2:], axis=1) - np.linalg.norm(moved[:-1], axis=1)
     assert errors.std() == pytest.approx(0.1 * 0.05, rel=0.25)

@@ -33,9 +33,7 @@ class Clear(Mission):
         rings_m = [shapely.get_coordinates(ring) for ring in shapely.get_rings(plan)]
         step_m = scenario.robots.max_speed_m_s * scenario.tick_s
         self._walls = Walls(rings_m, scenario.robots.body_m / 2 + step_m + 1e-6)
-        self._perception = Perception(
-            self._sensors, Walls(rings_m, self._sensors.detect_m), scenario.seed
-        )
+        self._perception = Perception(self._sensors, Walls(rings_m, self._sensors.detect_m), scenario.seed)
         self._robots: dict[int, Node] = {}
         self._felt_m: dict[int, Point] = {}
         """Where each robot was at its percept before."""
@@ -139,8 +137,10 @@ class Clear(Mission):
         return tuple(
             node.name
             for row, node in self._robots.items()
-            if node.mode == ALIVE and (standing := self._standing.get(row)) is not None
-            and standing.main and standing.role == role
+            if node.mode == ALIVE
+            and (standing := self._standing.get(row)) is not None
+            and standing.main
+            and standing.role == role
         )
 
     def _places_m(self) -> list[Point]:
@@ -149,4 +149,3 @@ class Clear(Mission):
     def _alive(self) -> list[bool]:
         """Who sees: a process that is stopped or gone notices no intruder."""
         return [node.mode == ALIVE for node in self._robots.values()]
-

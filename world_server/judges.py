@@ -71,7 +71,6 @@ class Judges:
         self._outline = outline
         return outline
 
-
     def _turned_back(self, points_m: Places) -> list[Place]:
         if self._turned_rad == 0:
             return list(points_m)
