@@ -22,11 +22,8 @@ def check_clear(scenario: Scenario) -> None:
     """Raises Mistake for the first part of a clearing that does not fit."""
     detect_m = (scenario.sensors or Sensors()).detect_m
     if scenario.tower.behaviour in OTHER_TOWERS:
-        raise Mistake(
-            f"tower.behaviour must be stand_still or one for mission clear, got {scenario.tower.behaviour}"
-        )
-    if scenario.robots.body_m <= 0:
-        raise Mistake(f"robots.body_m must be > 0 for mission clear, got {scenario.robots.body_m}")
+        raise Mistake(f"tower.behaviour must be one for mission clear, got {scenario.tower.behaviour}")
+    _check_body(scenario)
     _check_ranges(scenario, detect_m)
     plan = polygon_of(scenario.field.rings_m)
     try:
@@ -39,6 +36,15 @@ def check_clear(scenario: Scenario) -> None:
 def obstacle_m(scenario: Scenario) -> float:
     """How far robots stay from walls."""
     return _parameter(scenario, "obstacle_m", OBSTACLE_M)
+
+
+def _check_body(scenario: Scenario) -> None:
+    body_m, keep_m = scenario.robots.body_m, obstacle_m(scenario)
+    if body_m <= 0:
+        raise Mistake(f"robots.body_m must be > 0 for mission clear, got {body_m}")
+    if body_m >= 2 * keep_m:
+        right = f"< 2 obstacle_m ({2 * keep_m:g}), how far robots stay from walls"
+        raise Mistake(f"robots.body_m must be {right}, got {body_m:g}")
 
 
 def _check_ranges(scenario: Scenario, detect_m: float) -> None:
@@ -60,11 +66,9 @@ def _check_start(scenario: Scenario, plan: shapely.Polygon) -> None:
         try:
             cluster_places(plan, (start.x_m, start.y_m), len(scenario.robot_ids), body_m)
         except PlanError as error:
-            raise Mistake(f"robots.start {error}") from None
-    elif isinstance(start, Poses):
-        _check_places(start, plan, body_m)
+            raise Mistake(f"robots.start: {error}") from None
     else:
-        raise Mistake("robots.start.kind must be cluster or poses for mission clear")
+        _check_places(start, plan, body_m)
 
 
 def _check_places(start: Poses, plan: shapely.Polygon, body_m: float) -> None:

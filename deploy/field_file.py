@@ -27,7 +27,7 @@ def whole(scenario: Scenario) -> Field:
     """The scenario's field with all that is in the file it names. Raises Mistake."""
     field = scenario.field
     if isinstance(field, Graph):
-        return _whole_graph(field)
+        return whole_graph(field)
     return _whole_plan(field, scenario) if isinstance(field, FloorPlan) else field
 
 
@@ -59,7 +59,8 @@ def _whole_plan(field: FloorPlan, scenario: Scenario) -> FloorPlan:
     return FloorPlan(rings_m=rings_m, turned_rad=field.turned_rad)
 
 
-def _whole_graph(field: Graph) -> Graph:
+def whole_graph(field: Graph) -> Graph:
+    """The graph with all nodes and edges of the file it names, and all lengths. Raises Mistake."""
     inline = bool(field.nodes_m or field.edges)
     if bool(field.graph) == inline:
         got = "both" if inline else "neither"

@@ -10,7 +10,7 @@ from typing import Any
 from deploy.mistake import Mistake
 from wire.fields import Polyline
 from wire.line import Line
-from wire.scenario import BatterySection, Cluster, Fan, InQueue, Range, Scenario
+from wire.scenario import BatterySection, Range, Scenario
 
 SHARPEST_TURN_DEG = 120.0
 FARTHEST_M = 1e6
@@ -117,9 +117,6 @@ def _check_tower(scenario: Scenario, line: Line) -> None:
 
 def _check_robots(scenario: Scenario, line: Line) -> None:
     robots, tick_s = scenario.robots, scenario.tick_s
-    if isinstance(robots.start, Fan | Cluster):
-        got = "fan" if isinstance(robots.start, Fan) else "cluster"
-        raise Mistake(f"robots.start.kind must be queue or poses for mission line, got {got}")
     if len(scenario.robot_ids) < len(line.segments):
         most = len(scenario.robot_ids)
         raise Mistake(f"field.segments must be at most as many as robots ({most}), got {len(line.segments)}")

@@ -2,10 +2,10 @@
 
 from deploy.mistake import Mistake
 from wire.fields import FloorPlan, Graph, Grid, Polyline
-from wire.scenario import Cluster, InQueue, PlannedFault, Scenario
+from wire.scenario import Cluster, Fan, InQueue, PlannedFault, Poses, Scenario
 
 FIELDS = {"area": (Grid, Graph), "line": (Polyline,), "clear": (FloorPlan,)}
-NOT_AREA = {InQueue: "queue", Cluster: "cluster"}
+STARTS = {"area": (Fan, Poses, tuple), "line": (InQueue, Poses), "clear": (Cluster, Poses)}
 
 
 def check_mission(scenario: Scenario) -> None:
@@ -15,11 +15,11 @@ def check_mission(scenario: Scenario) -> None:
     if not isinstance(scenario.field, kinds):
         right, got = " or ".join(map(_kind, kinds)), _kind(type(scenario.field))
         raise Mistake(f"field.kind must be {right} for mission {mission}, got {got}")
-    if mission == "area" and type(robots.start) in NOT_AREA:
-        got = NOT_AREA[type(robots.start)]
-        raise Mistake(f"robots.start.kind must be fan or poses for mission area, got {got}")
-    if mission == "line" and isinstance(robots.start, tuple):
-        raise Mistake("robots.start must be queue or poses for mission line, got a list of sites")
+    if not isinstance(robots.start, STARTS[mission]):
+        right = " or ".join(_kind(one) for one in STARTS[mission] if one is not tuple)
+        is_list = isinstance(robots.start, tuple)
+        place, got = ("", "a list of sites") if is_list else (".kind", _kind(type(robots.start)))
+        raise Mistake(f"robots.start{place} must be {right} for mission {mission}, got {got}")
     if mission != "area" and robots.shared_last_visit:
         raise Mistake("robots.shared_last_visit is for mission area only")
     if mission != "line" and scenario.battery is not None:
@@ -39,5 +39,5 @@ def _check_fault(mission: str, fault: PlannedFault, place: str) -> None:
         raise Mistake(f"{place}.when_cleared_share is for mission clear only")
 
 
-def _kind(field: type) -> str:
-    return field.__struct_config__.tag
+def _kind(variant: type) -> str:
+    return variant.__struct_config__.tag

@@ -75,6 +75,7 @@ def _overrides(given: argparse.Namespace) -> dict[str, Any]:
             "nodes": [one.node],
             "memory": one.memory,
             "place": one.place,
+            "every": one.every,
         }
         for one in faults
     ]

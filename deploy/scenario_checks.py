@@ -88,7 +88,9 @@ def _check_faults(scenario: Scenario) -> None:
     """Every fault has a node, a time within the run, and a state of the node in which it makes sense."""
     for number, fault in enumerate(scenario.faults):
         _check_fault(scenario, fault, f"faults[{number}]")
-    timed = [(number, one) for number, one in enumerate(scenario.faults) if one.at_s is not None]
+    if any(one.role or one.at_s is None for one in scenario.faults):
+        return  # whom they befall, and when, only the run will tell
+    timed = list(enumerate(scenario.faults))
     state = dict.fromkeys(scenario.node_ids, "alive")
     for number, fault in sorted(timed, key=lambda one: one[1].at_s):
         place = f"faults[{number}]"
@@ -102,10 +104,11 @@ def _check_faults(scenario: Scenario) -> None:
 def _check_fault(scenario: Scenario, fault: PlannedFault, place: str) -> None:
     if fault.verb is None:
         raise Mistake(f"{place}.verb is missing")
+    if fault.at_s is None and scenario.mission != "clear":
+        raise Mistake(f"{place}.at_s is missing")
     if (fault.at_s is None) == (fault.when_cleared_share is None):
         got = "neither" if fault.at_s is None else "both"
-        only = "at_s" if scenario.mission != "clear" else "either at_s or when_cleared_share"
-        raise Mistake(f"{place} needs {only}, got {got}" if got == "both" else f"{place}.at_s is missing")
+        raise Mistake(f"{place} needs either at_s or when_cleared_share, got {got}")
     if [bool(fault.nodes), fault.highest_ids_share is not None, bool(fault.role)].count(True) != 1:
         others = ", highest_ids_share or role" if scenario.mission == "clear" else " or highest_ids_share"
         raise Mistake(f"{place} needs either nodes{others}")

@@ -15,7 +15,7 @@ from deploy.field_file import whole
 from deploy.mistake import Mistake
 from deploy.scenario_checks import check
 from swarm_agent.behaviour import BehaviourError, find_behaviour, settled_parameters
-from wire.scenario import Cluster, Scenario
+from wire.scenario import Cluster, Scenario, Sensors
 
 SHORT = {"behaviour": "robots.behaviour"}
 """Settings that are given so often that their place need not be named."""
@@ -74,7 +74,7 @@ def load_scenario(path: Path, settings: list[str] = [], **overrides: Any) -> Sce
         raise ScenarioError(f"{source}: {explain(str(error), document, Scenario)}") from None
     try:
         scenario = msgspec.structs.replace(scenario, field=whole(scenario))
-        scenario = _at_deployment(scenario, document)
+        scenario = _understood(scenario, document)
         check(scenario)
     except Mistake as mistake:
         raise ScenarioError(f"{source}: {mistake}") from None
@@ -107,13 +107,14 @@ def _look_beside(document: dict[str, Any], path: Path) -> None:
             field[kind] = str(SHIPPED_PLANS.get(name, path.parent / name))
 
 
-def _at_deployment(scenario: Scenario, document: dict[str, Any]) -> Scenario:
-    """The tower stands where a cluster of robots is deployed, unless the scenario says where."""
-    start, told = scenario.robots.start, document.get("tower", {})
-    if not isinstance(start, Cluster) or "x_m" in told or "y_m" in told:
+def _understood(scenario: Scenario, document: dict[str, Any]) -> Scenario:
+    """With what goes without saying in mission clear: sensors, and a tower where robots are deployed."""
+    if scenario.mission != "clear":
         return scenario
-    tower = msgspec.structs.replace(scenario.tower, x_m=start.x_m, y_m=start.y_m)
-    return msgspec.structs.replace(scenario, tower=tower)
+    start, told, tower = scenario.robots.start, document.get("tower", {}), scenario.tower
+    if isinstance(start, Cluster) and not {"x_m", "y_m"} & told.keys():
+        tower = msgspec.structs.replace(tower, x_m=start.x_m, y_m=start.y_m)
+    return msgspec.structs.replace(scenario, tower=tower, sensors=scenario.sensors or Sensors())
 
 
 def _apply(document: dict[str, Any], setting: str) -> None:

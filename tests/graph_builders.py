@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from deploy.field_file import whole
+from deploy.field_file import whole_graph
 from deploy.scenario_file import find_scenario
 from tests.test_graph_file import FOLDER_VARIABLE
 from wire.fields import Edge, Graph
@@ -44,4 +44,4 @@ def data_graph(name: str) -> Graph:
         pytest.skip(
             f"the maps of patrolling_sim are not part of Picket; {FOLDER_VARIABLE} says where they lie"
         )
-    return whole(Graph(graph=str(Path(folder) / f"{name}.graph")))
+    return whole_graph(Graph(graph=str(Path(folder) / f"{name}.graph")))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from deploy.field_file import whole
+from deploy.field_file import whole_graph
 from deploy.scene import Scene
 from deploy.scenes.mission import INFERNO, hot
 from tests.builders import course, scenario
@@ -58,7 +58,7 @@ def test_an_edge_leads_both_ways_unless_the_way_back_is_given():
 
 def test_the_shipped_grid_is_that_of_patrolling_sim():
     """Source: patrolling_sim, maps/grid: id 5 c + r at pixel (19 + 76 c, 325 - 76 r) of 0.075 m, costs 76."""
-    graph = whole(Graph(graph=str(GRAPHS / "grid.toml")))
+    graph = whole_graph(Graph(graph=str(GRAPHS / "grid.toml")))
     for node, (x_m, y_m) in enumerate(graph.nodes_m):
         column, row = divmod(node, 5)
         assert (x_m, y_m) == pytest.approx(((19 + 76 * column) * 0.075, (325 - 76 * row) * 0.075))

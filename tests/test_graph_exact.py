@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from deploy.field_file import whole
+from deploy.field_file import whole_graph
 from deploy.metrics.area import AreaMetrics
 from deploy.scenario_file import find_scenario, load_scenario
 from tests.builders import STILL, course, scenario
@@ -71,7 +71,7 @@ def test_a_run_on_a_random_graph_is_what_the_oracle_says(number, rule, tmp_path)
 
 @pytest.mark.parametrize("rule", RULES)
 def test_a_run_on_the_grid_is_what_the_oracle_says(rule, tmp_path):
-    grid = whole(Graph(graph=str(GRAPHS / "grid.toml")))
+    grid = whole_graph(Graph(graph=str(GRAPHS / "grid.toml")))
     compared(grid, rule, Fraction(57, 100), tmp_path, (40, 160), 4)
 
 

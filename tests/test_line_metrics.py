@@ -10,6 +10,7 @@ from rich.console import Console
 
 from deploy.metrics import MISSIONS
 from deploy.metrics.area import AreaMetrics
+from deploy.metrics.clear import ClearMetrics
 from deploy.metrics.line import LineMetrics
 from deploy.report import ProgressLine, metrics_table
 from swarm_agent.line_radio import Report
@@ -44,7 +45,7 @@ def to_and_fro(traverse: int, laps: int) -> LineMetrics:
 
 def test_each_mission_has_its_metrics():
     """Source: none."""
-    assert {"area": AreaMetrics, "line": LineMetrics} == MISSIONS
+    assert {"area": AreaMetrics, "line": LineMetrics, "clear": ClearMetrics} == MISSIONS
 
 
 def test_a_run_in_which_nothing_happened_has_no_metrics_and_no_nan():

@@ -165,3 +165,22 @@ def test_both_referees_agree_on_the_cave():
         places_m = later_m
         smaller_discs_m2 = 12 * 2 * math.pi * DETECT_M * 0.036
         assert -0.3 < areas_m2[1] - areas_m2[0] < smaller_discs_m2
+
+
+@EXACT_AND_COARSE
+def test_round_a_corner_a_robot_watches_only_what_it_sees_from_there_too(referee, within_m2):
+    """Both ends of its way see the whole width of the corridor; its corner is too far from the other wall."""
+    team, _ = driven(referee)
+    alive = [True]
+    held = team.referee.step([(5.0, 0.5)], [(5.0, 0.5)], alive, alive, [((5.05, 0.55),)])
+    assert held.recontaminated_m2 < NOTHING_M2
+    lost = team.referee.step([(5.0, 0.5)], [(5.0, 0.5)], alive, alive, [((5.05, 0.95),)])
+    assert lost.contaminated_m2 == pytest.approx(10 - 2 * LENS_M, abs=2 * within_m2)
+    assert lost.given_up_m2 < NOTHING_M2
+
+
+@EXACT_AND_COARSE
+def test_a_way_with_a_corner_in_a_wall_is_a_jump(referee, within_m2):
+    team, _ = driven(referee)
+    lost = team.referee.step([(5.0, 0.5)], [(5.0, 0.5)], [True], [True], [((5.0, 1.1),)])
+    assert lost.contaminated_m2 == pytest.approx(10 - 2 * LENS_M, abs=2 * within_m2)

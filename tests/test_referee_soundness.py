@@ -16,7 +16,7 @@ import shapely
 from tests.plan_oracle import seen
 from world_server import chance
 from world_server.random_plans import random_plan
-from world_server.referee import Referee
+from world_server.referee import Referee, living
 
 DETECT_M, STEP_M, NEIGHBOUR_M = 1.5, 0.3, 1.2  # sees across a corridor and most rooms
 POINTS, INTRUDERS, ROBOTS, TICKS = 80, 100, 2, 20
@@ -146,8 +146,8 @@ class Forgetful(Referee):
     """A wrong referee: what was once seen is clear for ever."""
 
     def step(self, before_m, after_m, alive_before, alive_after):
-        self._lit = self._look(after_m, alive_after)
-        self.contaminated = self.contaminated.difference(self._lit)
+        lit = self._seen_from(living(after_m, alive_after))
+        self.contaminated = self.contaminated.difference(lit)
 
 
 @pytest.mark.parametrize(("seed", "rooms", "islands"), PLANS)

@@ -10,7 +10,7 @@ from wire.clearing import Clearing, Standing
 from wire.fields import Point, Unseen
 from wire.messages import Action, Pose, Senses
 from wire.scenario import Range, Scenario, Sensors
-from world_server.deployment import deployed, plan_of
+from world_server.deployment import deployed, plan_of, turned
 from world_server.discs import Disc
 from world_server.judges import Judges
 from world_server.mission import Mission, Pairs, Visits
@@ -20,7 +20,6 @@ from world_server.perception import Perception
 from world_server.walls import Walls
 
 CLAIMED_S = 10.0  # how long a run goes on when a robot has claimed that it is over
-DRAWN_EVERY_S = 1.0
 ANSWER = codec.decoder(Standing)
 
 
@@ -30,13 +29,11 @@ class Clear(Mission):
     def __init__(self, scenario: Scenario) -> None:
         super().__init__(scenario)
         self._sensors = scenario.sensors or Sensors()
-        self._plan = plan_of(scenario.field)
-        rings_m = [shapely.get_coordinates(ring) for ring in shapely.get_rings(self._plan)]
+        plan = turned(plan_of(scenario.field), scenario.field.turned_rad)
+        rings_m = [shapely.get_coordinates(ring) for ring in shapely.get_rings(plan)]
         step_m = scenario.robots.max_speed_m_s * scenario.tick_s
         self._walls = Walls(rings_m, scenario.robots.body_m / 2 + step_m + 1e-6)
-        self._perception = Perception(
-            self._sensors, Walls(rings_m, self._sensors.detect_m), scenario.seed
-        )
+        self._perception = Perception(self._sensors, Walls(rings_m, self._sensors.detect_m), scenario.seed)
         self._robots: dict[int, Node] = {}
         self._felt_m: dict[int, Point] = {}
         """Where each robot was at its percept before."""
@@ -76,8 +73,7 @@ class Clear(Mission):
         super().begin(nodes)
         tower = self._scenario.tower.id
         self._robots = {row: node for row, node in enumerate(nodes) if node.name != tower}
-        every_ticks = self._scenario.tick_of(DRAWN_EVERY_S)
-        self._judges = Judges(self._sensors, self._plan, self._places_m(), self._alive(), every_ticks)
+        self._judges = Judges(self._scenario, self._places_m(), self._alive())
         self._felt_m = dict(zip(self._robots, self._places_m(), strict=True))
 
     def sensed(self, tick: int, row: int, senses: Senses, letters: Sequence[Letter]) -> Senses:
@@ -121,7 +117,7 @@ class Clear(Mission):
 
     def settle(self, tick: int) -> tuple[Visits, Pairs]:
         """One tick of all bodies, in order of their numbers; each finds the others where they are by then."""
-        before_m, corners_m = self._places_m(), []
+        corners_m = []
         for row, node in self._robots.items():
             others_m = [(one.body.x_m, one.body.y_m) for other, one in self._robots.items() if other != row]
             arrived = node.body.arrived
@@ -129,7 +125,7 @@ class Clear(Mission):
             corners_m.append(tuple(way[:-1]))
             if node.body.arrived and not arrived:
                 node.arrival_pending = True
-        self._judges.step(before_m, self._places_m(), corners_m, self._alive())
+        self._judges.step(self._places_m(), corners_m, self._alive())
         return (), ()
 
     def judged(self, tick: int) -> Clearing:
@@ -141,8 +137,10 @@ class Clear(Mission):
         return tuple(
             node.name
             for row, node in self._robots.items()
-            if node.mode == ALIVE and (standing := self._standing.get(row)) is not None
-            and standing.main and standing.role == role
+            if node.mode == ALIVE
+            and (standing := self._standing.get(row)) is not None
+            and standing.main
+            and standing.role == role
         )
 
     def _places_m(self) -> list[Point]:
@@ -151,4 +149,3 @@ class Clear(Mission):
     def _alive(self) -> list[bool]:
         """Who sees: a process that is stopped or gone notices no intruder."""
         return [node.mode == ALIVE for node in self._robots.values()]
-

@@ -14,33 +14,36 @@ from wire.messages import Pose
 from wire.scenario import Cluster, Scenario
 from world_server import chance
 from world_server.floorplan import PlanError
-from world_server.motion import first_poses
+from world_server.motion import first_poses, wrapped
 
 SPARE_M = 0.02  # between bodies in a cluster, and between them and walls
 NEARBY_M = 2.0
 
 
 def plan_of(field: FloorPlan) -> shapely.Polygon:
-    """The free space of a loaded field, turned as the field says."""
+    """The free space of a loaded field, before it is turned."""
     shell, *holes = field.rings_m
-    return turned(shapely.Polygon(shell, holes), field.turned_rad)
+    return shapely.Polygon(shell, holes)
 
 
 def turned(geometry: shapely.Geometry, angle_rad: float) -> shapely.Geometry:
     """A geometry turned about the origin."""
-    if angle_rad == 0:
-        return geometry
     cos, sin = math.cos(angle_rad), math.sin(angle_rad)
     return shapely.transform(geometry, lambda points_m: points_m @ np.array([[cos, sin], [-sin, cos]]))
+
+
+def turned_point(point: Point, angle_rad: float) -> Point:
+    """A point turned about the origin."""
+    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
+    return cos * point[0] - sin * point[1], sin * point[0] + cos * point[1]
 
 
 def deployed(scenario: Scenario) -> dict[str, Pose]:
     """Where every node begins, turned. The front of each robot is drawn, whatever pose the scenario gives."""
     start, robots = scenario.robots.start, scenario.robot_ids
     if isinstance(start, Cluster):
-        plan = plan_of(scenario.field)
-        unturned = turned(plan, -scenario.field.turned_rad)
-        places_m = cluster_places(unturned, (start.x_m, start.y_m), len(robots), scenario.robots.body_m)
+        plan, point = plan_of(scenario.field), (start.x_m, start.y_m)
+        places_m = cluster_places(plan, point, len(robots), scenario.robots.body_m)
     else:
         poses = first_poses(scenario)
         places_m = [(poses[node].x_m, poses[node].y_m) for node in robots]
@@ -79,7 +82,5 @@ def _lattice(apart_m: float) -> np.ndarray:
 def _posed(scenario: Scenario, node: str, place_m: Point) -> Pose:
     """A node at a place, with a front drawn by chance; all turned."""
     angle_rad = scenario.field.turned_rad
-    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
     drawn_rad = chance.generator(scenario.seed, "front", number_of(node)).random() * 2 * math.pi
-    x_m, y_m = place_m
-    return Pose(cos * x_m - sin * y_m, sin * x_m + cos * y_m, drawn_rad + angle_rad)
+    return Pose(*turned_point(place_m, angle_rad), wrapped(drawn_rad + angle_rad))

@@ -60,8 +60,8 @@ class Disc(Body):
         step_m = self._max_speed_m_s * tick_s
         away = (self.goal.x_m - self.x_m, self.goal.y_m - self.y_m)
         distance_m = math.hypot(*away)
-        share = min(1.0, step_m / distance_m)
-        reach_m = width_m + min(step_m, distance_m) + 2 * GAP_M
+        share = 1.0 if distance_m <= step_m + GAP_M else step_m / distance_m
+        reach_m = width_m + step_m + 2 * GAP_M
         near = [one for one in others_m if math.hypot(one[0] - self.x_m, one[1] - self.y_m) <= reach_m]
         here = (self.x_m, self.y_m)
         segments = walls.near(*here).tolist()
@@ -85,7 +85,7 @@ def way_of(
             break
         contact = first_contact(here, step, segments, others_m, width_m)
         share = 1.0 if contact is None else max(0.0, contact.share - GAP_M / length_m)
-        if share > 0:
+        if share * length_m >= GAP_M:
             here = (here[0] + share * step[0], here[1] + share * step[1])
             way.append(here)
         if contact is None or not contact.is_wall:

@@ -6,48 +6,52 @@ import numpy as np
 import shapely
 
 from wire.clearing import Clearing
-from wire.scenario import Sensors
+from wire.scenario import Scenario, Sensors
+from world_server.deployment import plan_of, turned, turned_point
 from world_server.raster_referee import RasterReferee
 from world_server.referee import Place, Places, Referee, Verdict
 
 SIMPLIFIED_M = 0.01
+DRAWN_EVERY_S = 1.0
 """Outlines are for pictures."""
 
 
 class Judges:
-    """Steps the referees that a scenario asks for. The exact one decides, where there is one."""
+    """Steps the referees that a scenario asks for. The exact one decides, where there is one.
 
-    def __init__(
-        self,
-        sensors: Sensors,
-        plan: shapely.Polygon,
-        places_m: Places,
-        alive: Sequence[bool],
-        every_ticks: int,
-    ) -> None:
+    They judge in the frame of the plan before it is turned: neither are their circles round, nor do cells of
+    a raster turn, and what they say is not to depend on it.
+    """
+
+    def __init__(self, scenario: Scenario, places_m: Places, alive: Sequence[bool]) -> None:
+        sensors, plan = scenario.sensors or Sensors(), plan_of(scenario.field)
         kinds = {"exact": (Referee,), "raster": (RasterReferee,), "both": (Referee, RasterReferee)}
+        self._turned_rad = scenario.field.turned_rad
+        self._every_ticks, self._outline = scenario.tick_of(DRAWN_EVERY_S), b""
+        self._area_m2 = plan.area
+        self._places, self._alive = self._turned_back(places_m), list(alive)
         self._referees = [
-            kind(plan, sensors.detect_m, places_m, alive) for kind in kinds[sensors.referee]
+            kind(plan, sensors.detect_m, self._places, alive) for kind in kinds[sensors.referee]
         ]
         self._verdicts: list[Verdict] = [referee.verdict for referee in self._referees]
-        self._alive = list(alive)
-        self._area_m2 = plan.area
-        self._every_ticks, self._outline = every_ticks, b""
 
     @property
     def cleared_share(self) -> float:
         """How much of the plan is clear."""
         return 1 - self._verdicts[0].contaminated_m2 / self._area_m2
 
-    def step(
-        self, before_m: Places, after_m: Places, corners_m: Sequence[Sequence[Place]], alive: Sequence[bool]
-    ) -> None:
-        """One tick. `corners_m`: where each robot's way was not straight. At rest nothing changes."""
-        if before_m == after_m and alive == self._alive:
+    def step(self, places_m: Places, corners_m: Sequence[Places], alive: Sequence[bool]) -> None:
+        """One tick, at whose end robots are at these places, and live or not.
+
+        `corners_m`: where each one's way was not straight. Where nothing has changed, nothing changes.
+        """
+        before, self._places = self._places, self._turned_back(places_m)
+        if before == self._places and alive == self._alive:
             self._verdicts = [referee.verdict for referee in self._referees]
             return
+        corners = [self._turned_back(corners) for corners in corners_m]
         self._verdicts = [
-            referee.step(before_m, after_m, self._alive, alive, corners_m) for referee in self._referees
+            referee.step(before, self._places, self._alive, alive, corners) for referee in self._referees
         ]
         self._alive = list(alive)
 
@@ -61,11 +65,16 @@ class Judges:
         """The outline, once in a while and if it is new."""
         if tick % self._every_ticks:
             return b""
-        outline = outline_of(self._referees[0].shape())
+        outline = outline_of(turned(self._referees[0].shape, self._turned_rad))
         if outline == self._outline:
             return b""
         self._outline = outline
         return outline
+
+    def _turned_back(self, points_m: Places) -> list[Place]:
+        if self._turned_rad == 0:
+            return list(points_m)
+        return [turned_point(point, -self._turned_rad) for point in points_m]
 
 
 def outline_of(shape: shapely.Geometry) -> bytes:

@@ -11,7 +11,7 @@ from functools import partial, reduce
 import numpy as np
 import shapely
 
-from world_server.referee import Corners, Place, Places, Verdict, Watch, unbroken_ways
+from world_server.referee import Corners, Place, Places, Verdict, Watch, living, unbroken_ways
 
 HALF_DIAGONAL = 0.71  # of a cell
 LOOK_PER_CELL = 2
@@ -46,9 +46,9 @@ class RasterReferee:
             self._origin[axis] + (np.arange(n) + 0.5) * cell_m for axis, n in enumerate((columns, rows))
         )
         self._free = shapely.contains_xy(plan, *np.meshgrid(xs_m, ys_m, indexing="ij"))
-        self._seen: dict[Place, np.ndarray] = {}
-        self._lit = self._look(places_m, alive)
-        self._contaminated = self._free & ~self._lit
+        self._views: dict[Place, np.ndarray] = {}
+        self._places = living(places_m, alive)
+        self._contaminated = self._free & ~self._mask([self._view(place) for place in self._places])
 
     @property
     def verdict(self) -> Verdict:
@@ -64,18 +64,18 @@ class RasterReferee:
         corners_m: Corners = (),
     ) -> Verdict:
         """One tick in which each robot went from one place to another; all in the same order of robots."""
-        seen, lit, contaminated = self._seen, self._lit, self._contaminated
-        self._lit = self._look(after_m, alive_after)
-        watched = np.zeros_like(self._free)
-        for way in unbroken_ways(self._watch, before_m, after_m, alive_before, alive_after, corners_m):
-            if way[0] in seen:
-                corners = [self._seen_from(np.array(corner)) for corner in way[1:-1]]
-                views = [seen[way[0]], *corners, self._seen[way[-1]]]
-                watched.ravel()[reduce(partial(np.intersect1d, assume_unique=True), views)] = True
-        self._contaminated = _flood(contaminated & ~watched, self._free & ~watched) & ~self._lit
+        contaminated, places = self._contaminated, self._places
+        ways = unbroken_ways(self._watch, before_m, after_m, alive_before, alive_after, corners_m)
+        watched = self._mask([self._seen_along(way) for way in ways if way[0] in places])
+        self._places = living(after_m, alive_after)
+        reached = _flood(contaminated & ~watched, self._free & ~watched)
+        self._contaminated = reached & ~self._mask([self._view(place) for place in self._places])
         lost = self._contaminated & ~contaminated
-        return Verdict(*map(self._area_m2, (self._contaminated, lost, lost & lit)))
+        given_up = lost & self._mask([self._view(place) for place in places]) if lost.any() else lost
+        self._views = {place: view for place, view in self._views.items() if place in self._places}
+        return Verdict(*map(self._area_m2, (self._contaminated, lost, given_up)))
 
+    @property
     def shape(self) -> shapely.Geometry:
         """What is contaminated, cell by cell."""
         first = np.argwhere(self._contaminated) * self._cell_m + self._origin
@@ -84,31 +84,48 @@ class RasterReferee:
     def _area_m2(self, cells: np.ndarray) -> float:
         return float(np.count_nonzero(cells) * self._cell_m**2)
 
-    def _look(self, places_m: Places, alive: Sequence[bool]) -> np.ndarray:
-        """The cells that living robots see; each place's view is kept until the next tick."""
-        known, self._seen = self._seen, {}
-        lit = np.zeros_like(self._free)
-        for place, lives in zip(places_m, alive, strict=True):
-            if lives:
-                self._seen[place] = known[place] if place in known else self._seen_from(np.array(place))
-                lit.ravel()[self._seen[place]] = True
-        return lit
+    def _seen_along(self, way: Places) -> np.ndarray:
+        """What is seen all along a way."""
+        return reduce(partial(np.intersect1d, assume_unique=True), [self._view(place) for place in way])
+
+    def _mask(self, views: Sequence[np.ndarray]) -> np.ndarray:
+        """The cells of all views together."""
+        seen = np.zeros_like(self._free)
+        for view in views:
+            seen.ravel()[view] = True
+        return seen
+
+    def _view(self, place: Place) -> np.ndarray:
+        view = self._views.get(place)
+        if view is None:
+            view = self._views[place] = self._seen_from(np.array(place))
+        return view
 
     def _seen_from(self, place: np.ndarray) -> np.ndarray:
         """Numbers of the free cells in range to which the straight way is free."""
         here = (place - self._origin) / self._cell_m
         first = np.maximum(np.floor(here).astype(int) - self._margin, 0)
         last = np.minimum(first + 2 * self._margin + 1, self._free.shape)
-        around = np.moveaxis(np.mgrid[first[0] : last[0], first[1] : last[1]], 0, -1).reshape(-1, 2)
-        ways = around + 0.5 - here
-        far = np.linalg.norm(ways, axis=1)
-        seen = (far <= self._range_m / self._cell_m) & self._free[tuple(around.T)]
-        around, ways, far = around[seen], ways[seen], far[seen]
+        away_x, away_y = (np.arange(*ends) + 0.5 - at for *ends, at in zip(first, last, here, strict=True))
+        far = np.hypot(away_x[:, None], away_y)
+        free = self._free[first[0] : last[0], first[1] : last[1]]
+        within = far <= self._range_m / self._cell_m
+        columns, rows = np.nonzero(within & free)
+        nearest = far[within & ~free].min(initial=np.inf)
+        doubtful = np.flatnonzero(far[columns, rows] > nearest - HALF_DIAGONAL)
+        ways = np.stack((away_x[columns[doubtful]], away_y[rows[doubtful]]), axis=1)
+        seen = np.ones(len(columns), dtype=bool)
+        seen[doubtful] = self._is_free(here, ways)
+        return (columns[seen] + first[0]) * self._free.shape[1] + rows[seen] + first[1]
+
+    def _is_free(self, here: np.ndarray, ways: np.ndarray) -> np.ndarray:
+        """Is each of these ways free, looked at here and there? In cells; walls may be close to its end."""
+        far = np.hypot(ways[:, 0], ways[:, 1])
         checked = np.maximum(far - UNCHECKED_CELLS, 0.0) / np.maximum(far, 1e-12)
         shares = np.linspace(0, 1, LOOK_PER_CELL * self._margin + 1) * checked[:, None]
-        looked_at = np.floor(here + shares[..., None] * ways[:, None]).astype(int)
-        clear = self._free[tuple(np.moveaxis(looked_at, -1, 0))].all(axis=1)
-        return np.ravel_multi_index(tuple(around[clear].T), self._free.shape)
+        columns = (here[0] + shares * ways[:, :1]).astype(int)
+        rows = (here[1] + shares * ways[:, 1:]).astype(int)
+        return self._free[columns, rows].all(axis=1)
 
 
 def _flood(sources: np.ndarray, open_cells: np.ndarray) -> np.ndarray:
@@ -118,7 +135,11 @@ def _flood(sources: np.ndarray, open_cells: np.ndarray) -> np.ndarray:
     """
     columns = open_cells.shape[1]
     reached, open_cells = sources.copy().ravel(), open_cells.ravel()
-    rim = np.flatnonzero(reached)
+    entered = np.zeros_like(reached)
+    for step in (-columns, -1, 1, columns):
+        entered |= np.roll(reached, step)
+    rim = np.flatnonzero(entered & open_cells & ~reached)
+    reached[rim] = True
     while rim.size:
         near = np.concatenate((rim - columns, rim - 1, rim + 1, rim + columns))
         rim = np.unique(near[open_cells[near] & ~reached[near]])

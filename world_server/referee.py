@@ -12,7 +12,7 @@ end is caught.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import reduce
 from itertools import pairwise
 from typing import NamedTuple
@@ -21,7 +21,7 @@ import numpy as np
 import shapely
 
 from world_server.plan_checks import narrowest_island_m
-from world_server.sight import Sight
+from world_server.sight import BEYOND_WALL_M, Sight
 
 NOTHING_M2 = 1e-7
 
@@ -91,21 +91,29 @@ def unbroken_ways(
 
 
 class Referee:
-    """Keeps the contaminated part of a plan, as polygons; robots see `detect_m` far, not through walls."""
+    """Keeps the contaminated part of a plan, as polygons; robots see `detect_m` far, not through walls.
+
+    Only robots that see to where contamination is, or comes, are looked at: what others watch it never meets.
+    """
 
     def __init__(
         self, plan: shapely.Polygon, detect_m: float, places_m: Places, alive: Sequence[bool]
     ) -> None:
-        self._plan = plan
+        self._plan, self._reach_m = plan, detect_m + BEYOND_WALL_M
         self._sight, self._watch = Sight(plan, detect_m), Watch(plan)
-        self._seen: dict[Place, shapely.Polygon] = {}
-        self._lit = self._look(places_m, alive)
-        self.contaminated = plan.difference(self._lit)
+        self._views: dict[Place, shapely.Polygon] = {}
+        self._places = living(places_m, alive)
+        self.contaminated = plan.difference(self._seen_from(self._places))
 
     @property
     def verdict(self) -> Verdict:
         """The state, as a verdict in which nothing has changed."""
         return Verdict(self.contaminated.area, 0.0, 0.0)
+
+    @property
+    def shape(self) -> shapely.Geometry:
+        """What is contaminated."""
+        return self.contaminated
 
     def step(
         self,
@@ -118,42 +126,73 @@ class Referee:
         """One tick in which each robot went from one place to another; all in the same order of robots.
 
         A robot watches without a break if it lives at both ends, comes from where somebody kept watch at the
-        end of the tick before, and does not jump. So nothing watched was contaminated: each part of what was
-        lies in one component of the rest, and one point of it shows in which.
+        end of the tick before, and does not jump. So nothing watched was contaminated.
         """
-        seen, lit = self._seen, self._lit
-        self._lit = self._look(after_m, alive_after)
+        contaminated, places = self.contaminated, self._places
         ways = unbroken_ways(self._watch, before_m, after_m, alive_before, alive_after, corners_m)
-        watched = shapely.union_all([self._along(seen, way) for way in ways if way[0] in seen])
-        components = shapely.get_parts(self._plan.difference(watched))
+        reached = self._spread([way for way in ways if way[0] in places])
+        self._places = living(after_m, alive_after)
+        self.contaminated = reached.difference(self._seen_from(self._near(reached, self._places)))
+        verdict = self._verdict(reached, contaminated, places)
+        self._views = {place: view for place, view in self._views.items() if place in self._places}
+        return verdict
+
+    def _spread(self, ways: Sequence[Places]) -> shapely.MultiPolygon:
+        """Where contamination can come in a tick in which robots watch along these ways.
+
+        Each part of it lies in one component of what is not watched, and one point of it shows in which.
+        """
         sources = [part.representative_point() for part in _sizeable(self.contaminated)]
-        reached, _ = shapely.STRtree(sources).query(components, predicate="intersects")
-        still_m2 = self.contaminated.area - self.contaminated.intersection(self._lit).area
-        reached = shapely.MultiPolygon(components[np.unique(reached)].tolist())
-        self.contaminated = reached.difference(self._lit)
-        contaminated_m2 = self.contaminated.area
-        lost_m2 = max(0.0, contaminated_m2 - still_m2)
-        given_up_m2 = self.contaminated.intersection(lit).area if lost_m2 > NOTHING_M2 else 0.0
-        return Verdict(contaminated_m2, lost_m2, given_up_m2)
+        reached, met = self.contaminated, -1
+        watching: list[Places] = []
+        while True:
+            near = set(self._near(reached, [way[0] for way in ways]))
+            watching = [way for way in ways if way[0] in near]
+            if len(watching) == met:
+                return reached
+            met = len(watching)
+            watched = shapely.union_all([self._seen_along(way) for way in watching])
+            components = shapely.get_parts(self._plan.difference(watched))
+            found, _ = shapely.STRtree(sources).query(components, predicate="intersects")
+            reached = shapely.MultiPolygon(components[np.unique(found)].tolist())
 
-    def shape(self) -> shapely.Geometry:
-        """What is contaminated."""
-        return self.contaminated
+    def _verdict(
+        self, reached: shapely.Geometry, contaminated: shapely.Geometry, places: Iterable[Place]
+    ) -> Verdict:
+        """What has changed. `contaminated` was so before, when robots stood at `places`."""
+        left_m2 = self.contaminated.area
+        if reached.area - contaminated.area < NOTHING_M2:
+            return Verdict(left_m2, 0.0, 0.0)
+        lost = self.contaminated.difference(contaminated)
+        if lost.area < NOTHING_M2:
+            return Verdict(left_m2, 0.0, 0.0)
+        return Verdict(left_m2, lost.area, lost.intersection(self._seen_from(self._near(lost, places))).area)
 
-    def _along(self, seen: dict[Place, shapely.Polygon], way: Places) -> shapely.Polygon:
-        """What is seen all along a way from where somebody stood before."""
-        if len(way) == 1:
-            return seen[way[0]]
-        corners = [self._sight.seen_from(corner) for corner in way[1:-1]]
-        return reduce(shapely.intersection, corners, seen[way[0]].intersection(self._seen[way[-1]]))
+    def _near(self, geometry: shapely.Geometry, places: Iterable[Place]) -> list[Place]:
+        """The places from which one may see a part of a geometry."""
+        places = list(places)
+        points = shapely.points(np.array(places).reshape(-1, 2))
+        near = shapely.dwithin(points, geometry, self._reach_m).tolist()
+        return [place for place, is_near in zip(places, near, strict=True) if is_near]
 
-    def _look(self, places_m: Places, alive: Sequence[bool]) -> shapely.Geometry:
-        """What living robots see; each place's view is kept until the next tick."""
-        known, self._seen = self._seen, {}
-        for place, lives in zip(places_m, alive, strict=True):
-            if lives:
-                self._seen[place] = known[place] if place in known else self._sight.seen_from(place)
-        return shapely.union_all(list(self._seen.values()))
+    def _seen_along(self, way: Places) -> shapely.Polygon:
+        """What is seen all along a way."""
+        return reduce(shapely.intersection, [self._view(place) for place in way])
+
+    def _seen_from(self, places: Iterable[Place]) -> shapely.Geometry:
+        """What is seen from any of these places."""
+        return shapely.union_all([self._view(place) for place in places])
+
+    def _view(self, place: Place) -> shapely.Polygon:
+        view = self._views.get(place)
+        if view is None:
+            view = self._views[place] = self._sight.seen_from(place)
+        return view
+
+
+def living(places_m: Places, alive: Sequence[bool]) -> dict[Place, None]:
+    """The places of living robots, in their order."""
+    return dict.fromkeys(place for place, lives in zip(places_m, alive, strict=True) if lives)
 
 
 def _sizeable(geometry: shapely.Geometry) -> list[shapely.Polygon]:

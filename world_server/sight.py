@@ -3,6 +3,8 @@
 import numpy as np
 import shapely
 
+from world_server.walls import Walls
+
 RING = 64  # corners of the polygon inside the circle of the range
 NARROWEST_RAD = 1e-9
 SAME_M = 1e-10
@@ -22,10 +24,9 @@ class Sight:
         shapely.prepare(plan)
         grown = plan.buffer(BEYOND_WALL_M, join_style="mitre")
         rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(grown)]
-        self._starts = np.concatenate([ring[:-1] for ring in rings])
-        self._ways = np.concatenate([np.diff(ring, axis=0) for ring in rings])
-        self._lengths2 = (self._ways**2).sum(axis=1)
+        self._walls = Walls(rings, range_m)
         self._ring = np.arange(RING) * (2 * np.pi / RING) - np.pi
+        self._circle = range_m * np.stack((np.cos(self._ring), np.sin(self._ring)), axis=1)
 
     def seen_from(self, place: tuple[float, float]) -> shapely.Polygon:
         """The visibility polygon of a place; empty where the place is not in free space.
@@ -36,6 +37,8 @@ class Sight:
         if not shapely.intersects_xy(self._plan, *place):
             return shapely.Polygon()
         starts, ways = self._near(np.array(place))
+        if not len(starts):
+            return shapely.Polygon(self._circle + place)
         first = self._directions(starts, ways)
         last = np.concatenate((first[1:], first[:1]))
         wall = _nearest(starts, ways, first + last, self._range_m)
@@ -50,11 +53,12 @@ class Sight:
 
     def _near(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Walls within range, from their starts, seen from the place."""
-        starts = self._starts - place
-        share = np.clip(-(starts * self._ways).sum(axis=1) / self._lengths2, 0, 1)
-        nearest = starts + share[:, None] * self._ways
+        segments = self._walls.near(*place.tolist())
+        starts, ways = segments[:, :2] - place, segments[:, 2:] - segments[:, :2]
+        share = np.clip(-(starts * ways).sum(axis=1) / (ways**2).sum(axis=1), 0, 1)
+        nearest = starts + share[:, None] * ways
         near = (nearest**2).sum(axis=1) <= self._range_m**2
-        return starts[near], self._ways[near]
+        return starts[near], ways[near]
 
     def _directions(self, starts: np.ndarray, ways: np.ndarray) -> np.ndarray:
         """Unit vectors, anticlockwise, to where walls begin, end or leave the range, and to the ring."""
