@@ -107,6 +107,12 @@ class SurveillanceGraph(GraphCopy):
         """
         return self._close(self._leave(1))
 
+    def vanish(self, line: int) -> None:
+        """A stationary line has dissolved where it stood, because nothing was left ahead of it."""
+        ahead = self.ahead_of(line)
+        self._event()
+        self._close(ahead)
+
     def release(self, line: int | None) -> None:
         """A line is lost or abandoned, None: the main line. What it kept clear is contaminated.
 

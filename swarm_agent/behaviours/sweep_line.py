@@ -80,6 +80,7 @@ class SweepLine(Behaviour):
             self.beginning.await_second(robot)
         elif robot.beside["left"] or robot.beside["right"]:
             self._stand_in_line()
+        self._claim()
         way = self._way()
         if abs(way) > STILL_M:
             robot.moved = robot.tick
@@ -116,8 +117,17 @@ class SweepLine(Behaviour):
             self.beginning.again(robot)
         elif robot.role == "reserve" and before != "reserve":
             self.reserve.begin(robot)
-            if robot.graph.main is None and not robot.graph.lines() and robot.graph.version != NOTHING:
-                robot.claim = "done" if "dissolve" in robot.events else ""
+
+    def _claim(self) -> None:
+        """All is done when a line has dissolved and no other is left; whoever hears of it agrees."""
+        robot = self.robot
+        main = robot.graph.main
+        if robot.role == "reserve" and main is not None and main.line in robot.gone:
+            robot.graph.dissolve()  # it had nothing ahead any more when it was chosen
+            events.choose_next(robot)
+        left = robot.graph.main is not None or set(robot.graph.lines()) - robot.gone
+        if robot.role == "reserve" and robot.graph.cleared() and not left:
+            robot.claim = "done"
 
     def _way(self) -> complex:
         robot = self.robot
@@ -162,6 +172,7 @@ class SweepLine(Behaviour):
             robot.anchor,
             robot.courier,
             tuple(sorted(robot.dead)),
+            tuple(sorted(robot.gone)),
             version,
             robot.graph.delta_since(min(older)) if older else None,
         )

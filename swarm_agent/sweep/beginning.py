@@ -36,6 +36,7 @@ class Beginning:
         for peer in robot.peers.known.values():
             beacon = peer.beacon
             robot.dead.update(number for number in beacon.dead if number not in (0, robot.number))
+            robot.gone.update(beacon.gone)
             newer = beacon.epoch > robot.epoch
             if newer or (beacon.epoch == robot.epoch and 0 < beacon.anchor < robot.anchor):
                 robot.epoch, robot.anchor, robot.courier = beacon.epoch, beacon.anchor, beacon.courier

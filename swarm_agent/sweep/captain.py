@@ -5,6 +5,7 @@ an obstacle. If there is none, it stands, and another line takes over; if none c
 up and the team begins again elsewhere.
 """
 
+from swarm_agent.sweep.events import strike_out
 from swarm_agent.sweep.radio import WALL
 from swarm_agent.sweep.robot import Robot
 
@@ -55,6 +56,9 @@ class Captain:
 
     def _measure(self, robot: Robot) -> None:
         """Tell the graph how many robots the line has, once that has been so for a while."""
+        if robot.told["left"].pinned:
+            return
+        strike_out(robot)
         if robot.count != self._robots and robot.is_quiet:
             self._robots = robot.count
             robot.graph.measure(robot.count)

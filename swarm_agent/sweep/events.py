@@ -31,17 +31,26 @@ def _end_of_line(robot: Robot) -> None:
         if robot.is_main:
             robot.graph.dissolve()
             choose_next(robot)
+        else:
+            robot.gone.add(robot.line)
         robot.become("reserve", "gone")
 
 
 def choose_next(robot: Robot) -> None:
     """A standing line becomes the main line, as the plan for what is known of the floor wants it."""
+    strike_out(robot)
     lines = robot.graph.lines()
     if not lines:
         return
     vertex = next_vertex(robot.graph.net, robot.graph.cleared(), robot.team)
     wanted = [line for line in lines if robot.graph.ahead_of(line) == vertex]
     robot.graph.activate(wanted[0] if wanted else max(lines))
+
+
+def strike_out(robot: Robot) -> None:
+    """Lines that have dissolved where they stood are no lines any more."""
+    for line in sorted(robot.gone & set(robot.graph.lines())):
+        robot.graph.vanish(line)
 
 
 def _in_the_middle(robot: Robot, outlook: Outlook) -> None:
@@ -101,7 +110,12 @@ def _judge(robot: Robot, outlook: Outlook) -> None:
 
 
 def _split(robot: Robot) -> bool:
-    """A neighbour sees the wall too: each becomes the end of a line of its own. Was it so?"""
+    """A neighbour sees the wall too: each becomes the end of a line of its own. Was it so?
+
+    Of several pivots of a line the leftmost comes first: only one robot writes into the graph at a time.
+    """
+    if robot.told["left"] is None or robot.told["left"].pivot:
+        return False
     for side in ("right", "left"):
         peer = robot.neighbour(side)
         held = peer is not None and peer.beacon.ready and peer.beacon.beside(OTHER[side]) == robot.number

@@ -15,12 +15,13 @@ BARELY_M = 0.02  # the margin that is enough for a link that nobody opens before
 
 def tend(robot: Robot) -> str:
     """Take over, or give up, links as neighbours ask for. Returns why the barrier is open, or nothing."""
+    robot.refused = {one for one in robot.refused if (peer := robot.peer(one)) and peer.beacon.role == "joining"}
     for number in [number for number in robot.old if _is_free_of(robot, number)]:
         del robot.old[number]
     if robot.role == "joining":
         _come_in(robot)
         return ""
-    if robot.role == "leaving" and robot.tick - robot.since_role > PATIENCE_TICKS * robot.parameters.hop_ticks:
+    if robot.role == "leaving" and robot.tick - robot.since_role > _patience(robot):
         robot.role = "centre"
     for side in SIDES:
         if robot.beside[side] > 0:
@@ -70,19 +71,19 @@ def _is_free_of(robot: Robot, number: int) -> bool:
 
 
 def _come_in(robot: Robot) -> None:
+    """Both hold it: it is on the line. Neither does, for a while: it is not. Till then it stays where it is."""
     left, right = (robot.neighbour(side) for side in SIDES)
-    if left is None or right is None:
-        robot.become("reserve")
-    elif _holds(left, "right", robot) and _holds(right, "left", robot):
+    if left is not None and right is not None and _holds(left, "right", robot) and _holds(right, "left", robot):
         robot.role, robot.since_role = "centre", robot.tick
         robot.line, robot.since = left.beacon.line, left.beacon.since
-    elif robot.tick - robot.since_role > PATIENCE_TICKS * robot.parameters.hop_ticks:
+        return
+    named = any(one is not None and not _is_free_of(robot, one.number) for one in (left, right))
+    if not named and robot.tick - robot.since_role > _patience(robot):
         robot.become("reserve")
-    elif left.beacon.right not in (robot.number, right.number) or right.beacon.left not in (
-        robot.number,
-        left.number,
-    ):
-        robot.become("reserve")
+
+
+def _patience(robot: Robot) -> int:
+    return PATIENCE_TICKS * robot.parameters.hop_ticks
 
 
 def _is_dissolved(robot: Robot, peer: Peer, side: Side) -> bool:
@@ -101,24 +102,33 @@ def _is_passed_over(robot: Robot) -> bool:
 
 
 def _follow(robot: Robot, peer: Peer, side: Side) -> None:
-    """Link to who comes in on a side, or to who stands beyond one that leaves."""
+    """Link to who comes in on a side, or to who stands beyond one that leaves.
+
+    Of the two ends of a link the left one decides, and the right one follows: so they never decide otherwise.
+    """
     beacon = peer.beacon
     onward, back = beacon.beside(side), beacon.beside(OTHER[side])
-    if beacon.role == "leaving" and robot.role != "leaving" and onward > 0 and back == robot.number:
-        beyond = robot.peer(onward)
-        near = beyond is not None and abs(beyond.here - robot.here) <= robot.parameters.follow_m
-        if near and robot.link_m(beyond, side) >= robot.step_m:
+    beyond = robot.peer(onward)
+    if beacon.role == "leaving" and robot.role != "leaving" and beyond is not None and back == robot.number:
+        near = abs(beyond.here - robot.here) <= robot.parameters.follow_m
+        agreed = side == "right" or beyond.beacon.right == robot.number
+        if near and agreed and robot.link_m(beyond, side) >= robot.step_m:
             _relink(robot, side, onward)
         return
     if robot.role == "leaving" or robot.ready:
         return
     for one in robot.peers.known.values():
         asks = one.beacon.role == "joining" and one.beacon.beside(side) == peer.number
-        if asks and one.beacon.beside(OTHER[side]) == robot.number:
-            if robot.link_m(one, side) >= BARELY_M:
-                _relink(robot, side, one.number)
-                return
+        if not asks or one.beacon.beside(OTHER[side]) != robot.number or one.number in robot.refused:
+            continue
+        agreed = side == "right" or beacon.right == one.number
+        if agreed and robot.link_m(one, side) >= BARELY_M:
+            _relink(robot, side, one.number)
+            robot.linked_tick = robot.tick
+            return
     if back != robot.number and beacon.role != "joining":
+        _turn_back(robot, side)
+    elif beacon.role == "joining" and side == "right" and robot.tick - robot.linked_tick > _patience(robot):
         _turn_back(robot, side)
 
 
@@ -127,6 +137,7 @@ def _turn_back(robot: Robot, side: Side) -> None:
     for one in robot.peers.known.values():
         holds = one.beacon.beside(OTHER[side]) == robot.number and one.beacon.role in ("centre", "leader")
         if holds and one.number != robot.beside[side]:
+            robot.refused.add(robot.beside[side])
             _relink(robot, side, one.number)
             return
 

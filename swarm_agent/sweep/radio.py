@@ -32,7 +32,7 @@ class Flow(msgspec.Struct, frozen=True, array_like=True):
 
     `count` robots; news of all of them is from tick `since` or later, and none has moved after `moved`.
     `open`: has any something ahead that nobody sees; `halt`: does any want the line to stand; `pinned`: is any
-    held by an obstacle; `want`: is there a gap that needs one more robot; `spare`: robots that follow them.
+    held by an obstacle, `pivot`: in the middle; `want`: is there a gap that needs one more robot; `spare`: robots that follow them.
     `angle_rad`: of the leader at that end. `order`: what the right leader orders; `taut`: the place of the
     robot that has pushed as far as it can.
     """
@@ -43,6 +43,7 @@ class Flow(msgspec.Struct, frozen=True, array_like=True):
     open: bool
     halt: bool
     pinned: bool
+    pivot: bool
     want: bool
     spare: Count
     angle_rad: float = 0.0
@@ -66,6 +67,7 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     way to the wall that it holds, or would hold where it is `pinned`; `ready`: does it see the wall of its
     pinned neighbour; `close`: its neighbour must come near, for it has an obstacle ahead and is a leader.
     `epoch`: how often the team began again, at `anchor`, with `courier` underway to tell the others.
+    `dead` robots and `gone` lines: all that it knows of.
     """
 
     role: Role
@@ -90,6 +92,7 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     anchor: Number
     courier: Number
     dead: tuple[Number, ...]
+    gone: tuple[Number, ...]
     version: Version
     delta: Delta | None
 

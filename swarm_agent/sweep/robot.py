@@ -43,6 +43,8 @@ class Robot:
         self.ranges_m = np.full(field.rays, np.inf)
         self.hits = np.empty(0, dtype=complex)
         self.dead: set[int] = set()
+        self.gone: set[int] = set()
+        """Numbers of lines that have dissolved where they stood."""
         self.events: list[str] = []
         self.claim = ""
         self.epoch = self.anchor = self.courier = 0
@@ -55,6 +57,8 @@ class Robot:
         self.role, self.stage, self.since_role = role, stage, self.tick
         self.beside: dict[Side, int] = dict.fromkeys(SIDES, NOBODY)
         self.old: dict[int, Side] = {}
+        self.refused: set[int] = set()
+        self.linked_tick = self.tick
         self.line, self.since = 0, -1
         self.pinned = self.halt = self.close = self.ready = False
         self.obstacle: complex | None = None
