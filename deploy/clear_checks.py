@@ -15,6 +15,7 @@ from world_server.floorplan import PlanError
 from world_server.plan_checks import check_plan
 
 OBSTACLE_M = 0.25
+WIDEST_M, MOST_WALLS_M = 300.0, 5000.0
 OTHER_TOWERS = ("base_station", "line_keeper")
 
 
@@ -26,6 +27,7 @@ def check_clear(scenario: Scenario) -> None:
     _check_body(scenario)
     _check_ranges(scenario, detect_m)
     plan = polygon_of(scenario.field.rings_m)
+    _check_size(plan)
     try:
         check_plan(plan, obstacle_m(scenario), detect_m)
     except PlanError as error:
@@ -36,6 +38,16 @@ def check_clear(scenario: Scenario) -> None:
 def obstacle_m(scenario: Scenario) -> float:
     """How far robots stay from walls."""
     return _parameter(scenario, "obstacle_m", OBSTACLE_M)
+
+
+def _check_size(plan: shapely.Polygon) -> None:
+    """Millimetres taken for metres would keep the checks and the referee busy for hours."""
+    west_m, south_m, east_m, north_m = plan.bounds
+    size_m = max(east_m - west_m, north_m - south_m)
+    if size_m > WIDEST_M:
+        raise Mistake(f"field must be at most {WIDEST_M:g} m wide and high, got {size_m:.4g} m")
+    if plan.length > MOST_WALLS_M:
+        raise Mistake(f"field must have at most {MOST_WALLS_M:g} m of walls, got {plan.length:.4g} m")
 
 
 def _check_body(scenario: Scenario) -> None:
