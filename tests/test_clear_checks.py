@@ -138,6 +138,14 @@ KILL = {"verb": "kill", "nodes": ["r2"]}
             {"robots__start": poses((1, 1), (1, 1.3), (1.95, 3), (1, 2))},
             "robots.start.poses[2] must be in the plan, 0.1 m from its walls, got [1.95, 3]",
         ),
+        (
+            {"robots__noise_sd": 0.1},
+            "robots.noise_sd must be 0 for mission clear, whose noise is in sensors, got 0.1",
+        ),
+        (
+            {"field__rings_m": [[*map(list, ELL)], [[1, 1], [1, 1.04], [1.5, 1.04], [1.5, 1]]]},
+            "field: islands must be wider than robots go in a tick (0.05 m), got 0.04 m",
+        ),
         ({"robots__body_m": 0.0}, "robots.body_m must be > 0 for mission clear, got 0.0"),
         (
             {"robots__body_m": 0.6},
