@@ -12,9 +12,10 @@ from deploy.plan_file import polygon_of
 from wire.scenario import Cluster, Poses, Range, Scenario, Sensors
 from world_server.deployment import cluster_places
 from world_server.floorplan import PlanError
-from world_server.plan_checks import check_plan
+from world_server.plan_checks import check_plan, narrowest_island_m
 
 OBSTACLE_M = 0.25
+WIDEST_M, MOST_WALLS_M = 300.0, 5000.0
 OTHER_TOWERS = ("base_station", "line_keeper")
 
 
@@ -26,6 +27,8 @@ def check_clear(scenario: Scenario) -> None:
     _check_body(scenario)
     _check_ranges(scenario, detect_m)
     plan = polygon_of(scenario.field.rings_m)
+    _check_size(plan)
+    _check_islands(plan, scenario.robots.max_speed_m_s * scenario.tick_s)
     try:
         check_plan(plan, obstacle_m(scenario), detect_m)
     except PlanError as error:
@@ -38,8 +41,29 @@ def obstacle_m(scenario: Scenario) -> float:
     return _parameter(scenario, "obstacle_m", OBSTACLE_M)
 
 
+def _check_size(plan: shapely.Polygon) -> None:
+    """Millimetres taken for metres would keep the checks and the referee busy for hours."""
+    west_m, south_m, east_m, north_m = plan.bounds
+    size_m = max(east_m - west_m, north_m - south_m)
+    if size_m > WIDEST_M:
+        raise Mistake(f"field must be at most {WIDEST_M:g} m wide and high, got {size_m:.4g} m")
+    if plan.length > MOST_WALLS_M:
+        raise Mistake(f"field must have at most {MOST_WALLS_M:g} m of walls, got {plan.length:.4g} m")
+
+
+def _check_islands(plan: shapely.Polygon, step_m: float) -> None:
+    """Round an island narrower than its step a robot may pass on either side: nobody knows what it saw."""
+    narrowest_m = narrowest_island_m(plan)
+    if narrowest_m <= step_m:
+        right = f"wider than robots go in a tick ({step_m:.4g} m)"
+        raise Mistake(f"field: islands must be {right}, got {narrowest_m:.4g} m")
+
+
 def _check_body(scenario: Scenario) -> None:
     body_m, keep_m = scenario.robots.body_m, obstacle_m(scenario)
+    if scenario.robots.noise_sd > 0:
+        got = scenario.robots.noise_sd
+        raise Mistake(f"robots.noise_sd must be 0 for mission clear, whose noise is in sensors, got {got}")
     if body_m <= 0:
         raise Mistake(f"robots.body_m must be > 0 for mission clear, got {body_m}")
     if body_m >= 2 * keep_m:

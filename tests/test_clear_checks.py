@@ -57,6 +57,12 @@ NECK = [
 ]
 
 
+TEETH = [
+    (x_m, y_m) for step in range(100) for x_m, y_m in ((2 * step, 1), (2 * step, 260), (2 * step + 1, 260))
+]
+COMB = [[0, 0], *([x_m + 0.5, y_m] for x_m, y_m in TEETH), [250, 1], [250, 0]]
+
+
 def loaded(folder: Path, document: dict[str, Any], *settings: str) -> Scenario:
     (folder / "mine.toml").write_text(tomli_w.dumps(document))
     return load_scenario(folder / "mine.toml", list(settings))
@@ -132,6 +138,14 @@ KILL = {"verb": "kill", "nodes": ["r2"]}
             {"robots__start": poses((1, 1), (1, 1.3), (1.95, 3), (1, 2))},
             "robots.start.poses[2] must be in the plan, 0.1 m from its walls, got [1.95, 3]",
         ),
+        (
+            {"robots__noise_sd": 0.1},
+            "robots.noise_sd must be 0 for mission clear, whose noise is in sensors, got 0.1",
+        ),
+        (
+            {"field__rings_m": [[*map(list, ELL)], [[1, 1], [1, 1.04], [1.5, 1.04], [1.5, 1]]]},
+            "field: islands must be wider than robots go in a tick (0.05 m), got 0.04 m",
+        ),
         ({"robots__body_m": 0.0}, "robots.body_m must be > 0 for mission clear, got 0.0"),
         (
             {"robots__body_m": 0.6},
@@ -153,6 +167,11 @@ KILL = {"verb": "kill", "nodes": ["r2"]}
         ),
         ({"field__rings_m": [[[0, 0], [1, 0]]]}, "field.rings_m: must be the rings of a polygon"),
         ({"field__rings_m": [[[0, 0], [4, 4], [4, 0], [0, 3]]]}, "field: the polygon must be valid"),
+        (
+            {"field__rings_m": [[[0, 0], [6000, 0], [6000, 4000], [0, 4000]]]},
+            "field must be at most 300 m wide and high, got 6000 m",
+        ),
+        ({"field__rings_m": [COMB]}, "field must have at most 5000 m of walls, got 5.216e+04 m"),
         ({"field__rings_m": None}, "field must have one of plan, random and rings_m, got none"),
         ({"field__plan": "cave"}, "field must have one of plan, random and rings_m, got plan and rings_m"),
         ({"field__metres_per_px": 0.1}, "field.metres_per_px is for a picture as plan only"),

@@ -17,6 +17,7 @@ def test_a_random_plan_is_repeatable_valid_and_has_its_islands(seed, columns, ro
     plan = random_plan(seed, (columns, rows), islands)
     check_plan(plan, 0.25, 0.7)
     assert len(plan.interiors) == islands
+    assert shapely.get_precision(plan) == 0, "what is cut out of it is not to be snapped to a grid"
     assert shapely.to_wkt(plan) == shapely.to_wkt(random_plan(seed, (columns, rows), islands))
     west, south, east, north = plan.bounds
     assert 0 <= west and 0 <= south and east <= 5 * columns and north <= 5 * rows

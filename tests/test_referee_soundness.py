@@ -156,6 +156,21 @@ def test_no_intruder_is_where_the_exact_referee_says_that_none_can_be(seed, room
     assert astray_m < 1e-5
 
 
+@pytest.mark.parametrize(("seed", "rooms", "islands"), PLANS[:4])
+def test_nothing_that_is_contaminated_stops_being_so_unseen(seed, rooms, islands):
+    hunt = Hunt(seed, rooms, islands)
+    robots = hunt.robots
+    referee = Referee(hunt.plan, DETECT_M, [one.place_m for one in robots], [True] * ROBOTS)
+    for _ in range(TICKS):
+        later, before = [hunt.moved(robot) for robot in robots], referee.contaminated
+        places, lives = zip(*[(one.place_m, one.alive) for one in robots], strict=True)
+        referee.step(places, [one.place_m for one in later], lives, [one.alive for one in later])
+        lit = shapely.union_all([seen(hunt.plan, one.place_m, DETECT_M) for one in later if one.alive])
+        vanished = before.difference(shapely.union_all([referee.contaminated, lit]))
+        assert vanished.area < 1e-5, "sight reaches a millionth of a metre into walls"
+        robots = later
+
+
 def test_the_hunt_holds_ground_and_finds_a_wrong_referee():
     held_m2, astray_m, left = hunted(Forgetful, *PLANS[2])
     assert held_m2 > 1.0 and left > INTRUDERS / 2

@@ -1,13 +1,16 @@
 """Whatever an operator writes, it loads or is refused in one line."""
 
+import copy
 import tomllib
 from pathlib import Path
 
+import pytest
 import tomli_w
 from hypothesis import example, given
 from hypothesis import strategies as st
 
 from deploy.scenario_file import ScenarioError, load_scenario, to_toml
+from tests.test_clear_checks import GOOD as CLEARING
 from tests.test_scenario import GOOD
 
 names = st.sampled_from(
@@ -57,9 +60,10 @@ def test_any_document_loads_or_is_refused_in_one_line(tmp_path, junk):
     loads_or_is_refused(tmp_path / "junk.toml")
 
 
-@given(st.data())
-def test_a_damaged_good_document_loads_or_is_refused_in_one_line(tmp_path, data):
-    document = tomllib.loads(GOOD)
+@pytest.mark.parametrize("good", [tomllib.loads(GOOD), CLEARING], ids=["area", "clear"])
+@given(data=st.data())
+def test_a_damaged_good_document_loads_or_is_refused_in_one_line(tmp_path, good, data):
+    document = copy.deepcopy(good)
     place = document
     while True:
         keys = list(range(len(place))) if isinstance(place, list) else sorted(place)

@@ -33,7 +33,8 @@ class Clearing(Message):
     `lost_m2`: clear before the tick and contaminated now; of this `given_up_m2` was in sight of some robot
     until this tick. `raster_m2`: contaminated in the eyes of the raster referee, where both judge.
     `outline`: for pictures, float32 (points, 2): the rings around what is contaminated, x_m and y_m, each
-    ring closed and followed by a row of NaN. It comes once per simulated second and when it has changed.
+    ring closed and followed by a row of NaN; where nothing is, that row alone. It comes at most once per
+    simulated second, when it has changed.
     """
 
     contaminated_m2: float

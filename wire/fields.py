@@ -13,7 +13,7 @@ Way = tuple[int, float]
 Number = Annotated[int, msgspec.Meta(ge=0)]
 Metres = Annotated[float, msgspec.Meta(gt=0)]
 Lines = Annotated[int, msgspec.Meta(ge=1, le=1000)]
-Rooms = Annotated[int, msgspec.Meta(ge=1, le=50)]
+Rooms = Annotated[int, msgspec.Meta(ge=1, le=10)]
 Segments = Annotated[int, msgspec.Meta(ge=1, le=1000)]
 
 

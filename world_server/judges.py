@@ -82,4 +82,4 @@ def outline_of(shape: shapely.Geometry) -> bytes:
     rings = shapely.get_rings(shapely.get_parts(shape.simplify(SIMPLIFIED_M)))
     gap = np.full((1, 2), np.nan)
     points = [part for ring in rings for part in (shapely.get_coordinates(ring), gap)]
-    return np.concatenate(points or [np.empty((0, 2))]).astype("<f4").tobytes()
+    return np.concatenate(points or [gap]).astype("<f4").tobytes()

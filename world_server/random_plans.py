@@ -68,7 +68,8 @@ def _draw(generator: np.random.Generator, rooms: tuple[int, int], islands: int) 
     ]
     rough = shapely.union_all(parts)
     smooth = rough.buffer(ROUND_M).buffer(-2 * ROUND_M).buffer(ROUND_M)
-    return shapely.set_precision(smooth.simplify(ROUGHLY_M), GRID_M)
+    snapped = shapely.set_precision(smooth.simplify(ROUGHLY_M), GRID_M)
+    return shapely.set_precision(snapped, 0)  # or whatever is cut out of the plan would be snapped as well
 
 
 def _doors(generator: np.random.Generator, places: list[Room], islands: int) -> list[Door]:
