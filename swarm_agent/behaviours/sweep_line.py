@@ -34,8 +34,8 @@ STILL_M = 1e-6
 class Parameters(BaseParameters, frozen=True):
     """Robots on a line stand at most `follow_m` apart; leaders stay `obstacle_m` from walls.
 
-    A robot leaves a line whose neighbours are `slack_m` nearer than they may be. `choose`: the part of a split
-    line that moves on is the one with more or with fewer robots. `team`: how many robots there are; None: all
+    A robot leaves a line whose neighbours are `slack_m` nearer than they may be. `choose`: which part of a
+    split line moves on, the one with more or with fewer robots. `team`: how many robots there are; None: all
     of the scenario. `dead_ticks`: who is silent for longer is dead. `hop_ticks`: how long a frame takes.
     `patience_ticks`: how long to wait for robots that should come; `beginnings`: how often to begin again
     elsewhere before the team says that it failed.
@@ -195,5 +195,3 @@ class SweepLine(Behaviour):
 
 def _name(number: int) -> str:
     return "wall" if number == WALL else f"r{number}" if number > 0 else ""
-
-

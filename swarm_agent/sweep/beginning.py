@@ -80,7 +80,7 @@ class Beginning:
         return self._form(robot)
 
     def gather(self, robot: Robot) -> complex:
-        """The anchor: it walks on to a corner if this is not the first time, waits for the others, and forms."""
+        """The anchor: it walks on to a corner if this is not the first time, waits for all, and forms."""
         if self.beginnings > 1 and self._walked_m < WALK_MOST_M:
             return self._walk(robot)
         waited = robot.tick - self._anchor_tick

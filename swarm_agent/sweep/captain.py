@@ -118,7 +118,7 @@ class Captain:
         return ""
 
     def _following(self, robot: Robot) -> int | None:
-        """The newest standing line that would have more robots than it has, and as many as it is known to need."""
+        """The newest standing line that would get more robots, and as many as it is known to need."""
         lines = robot.graph.lines()
         free = robot.team - robot.count - sum(edge.robots for edge in lines.values())
         for line in sorted(lines, reverse=True):

@@ -3,6 +3,8 @@
 Nothing is decided before the whole line has stood still for so long that all news is from then.
 """
 
+import networkx
+
 from swarm_agent.graph_clear import next_vertex
 from swarm_agent.sweep.outlook import Outlook, sides_open
 from swarm_agent.sweep.peers import Peer
@@ -42,7 +44,9 @@ def choose_next(robot: Robot) -> None:
     lines = robot.graph.lines()
     if not lines:
         return
-    vertex = next_vertex(robot.graph.net, robot.graph.cleared(), robot.team)
+    cleared = robot.graph.cleared()
+    around = networkx.node_connected_component(robot.graph.net, min(cleared))  # not from before a restart
+    vertex = next_vertex(robot.graph.net.subgraph(around), cleared, robot.team)
     wanted = [line for line in lines if robot.graph.ahead_of(line) == vertex]
     robot.graph.activate(wanted[0] if wanted else max(lines))
 
@@ -82,7 +86,8 @@ def _in_the_middle(robot: Robot, outlook: Outlook) -> None:
 
 
 def _was_cut(robot: Robot, peer: Peer, side: Side) -> bool:
-    return peer.beacon.stage == "cut" and peer.beacon.beside(OTHER[side]) == WALL and peer.beacon.role == "leader"
+    beacon = peer.beacon
+    return beacon.stage == "cut" and beacon.beside(OTHER[side]) == WALL and beacon.role == "leader"
 
 
 def _waits_for(robot: Robot, peer: Peer, side: Side) -> bool:

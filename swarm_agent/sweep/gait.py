@@ -26,7 +26,7 @@ TAUT_TICKS = 12
 
 
 def lead(robot: Robot, outlook: Outlook) -> complex:
-    """A leader's way: along its wall if that shortens the line, or lengthens it less than the other end's would."""
+    """A leader's way: along its wall, if that shortens the line, or lengthens it less than the other's."""
     side = robot.wall_side()
     touch(robot)
     way, contact = along_wall(robot, side)
@@ -118,7 +118,7 @@ class Slot:
 
 
 def keep(robot: Robot, slot: Slot) -> complex:
-    """The way of a robot in the middle: to its slot, or forward when it searches, or to the wall of a pivot."""
+    """The way of a robot in the middle: to its slot, forward when it searches, or to the wall of a pivot."""
     left, right = (robot.neighbour(side) for side in SIDES)
     stands = robot.pinned or robot.ready or robot.halt or robot.any_told("halt")
     if left is None or right is None or stands:
@@ -136,7 +136,7 @@ def keep(robot: Robot, slot: Slot) -> complex:
 
 
 def _slot(robot: Robot, left: Peer, right: Peer) -> complex:
-    """On the taut chain between its neighbours, `follow_m` from the left one, but not too near to the right one."""
+    """On the taut chain between its neighbours, `follow_m` from the left one, not too near the right one."""
     over_left = robot.over(left.here, robot.here, robot.walls(left))
     over_right = robot.over(robot.here, right.here, robot.walls(right))
     first = left.here if over_left is None else over_left

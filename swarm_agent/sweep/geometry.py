@@ -7,13 +7,14 @@ import numpy as np
 
 TURNS = 72  # directions a robot considers on its way along a wall
 ROLLED = {
-    hand: np.exp(sign * 1j * math.tau / TURNS * np.arange(TURNS)) for hand, sign in (("left", -1), ("right", 1))
+    hand: np.exp(sign * 1j * math.tau / TURNS * np.arange(TURNS))
+    for hand, sign in (("left", -1), ("right", 1))
 }
 NOTHING = np.empty(0, dtype=complex)
 
 
 def clearance_m(points: np.ndarray, start: complex, end: complex) -> float:
-    """The distance of the nearest of some points to the straight way from `start` to `end`; inf without any."""
+    """How near the nearest of some points is to the straight way from `start` to `end`; inf without any."""
     if not len(points):
         return math.inf
     way, away = end - start, points - start

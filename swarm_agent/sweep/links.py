@@ -15,7 +15,9 @@ BARELY_M = 0.02  # the margin that is enough for a link that nobody opens before
 
 def tend(robot: Robot) -> str:
     """Take over, or give up, links as neighbours ask for. Returns why the barrier is open, or nothing."""
-    robot.refused = {one for one in robot.refused if (peer := robot.peer(one)) and peer.beacon.role == "joining"}
+    robot.refused = {
+        one for one in robot.refused if (peer := robot.peer(one)) and peer.beacon.role == "joining"
+    }
     for number in [number for number in robot.old if _is_free_of(robot, number)]:
         del robot.old[number]
     if robot.role == "joining":
@@ -55,9 +57,15 @@ def is_spare(robot: Robot) -> bool:
         return False
     if not (_holds(left, "right", robot) and _holds(right, "left", robot)):
         return False
-    needed = any(one.beacon.pinned or one.beacon.close or one.beacon.role == "leaving" for one in (left, right))
+    needed = any(
+        one.beacon.pinned or one.beacon.close or one.beacon.role == "leaving" for one in (left, right)
+    )
     near = abs(left.here - right.here) <= robot.parameters.follow_m - robot.parameters.slack_m
-    return not needed and near and robot.margin_m(left.here, right.here, robot.walls(left, right)) >= robot.step_m
+    return (
+        not needed
+        and near
+        and robot.margin_m(left.here, right.here, robot.walls(left, right)) >= robot.step_m
+    )
 
 
 def _holds(peer: Peer, side: Side, robot: Robot) -> bool:
@@ -71,9 +79,14 @@ def _is_free_of(robot: Robot, number: int) -> bool:
 
 
 def _come_in(robot: Robot) -> None:
-    """Both hold it: it is on the line. Neither does, for a while: it is not. Till then it stays where it is."""
+    """Both hold it: it is on the line. Neither does, for a while: it is not. Until then it stays there."""
     left, right = (robot.neighbour(side) for side in SIDES)
-    if left is not None and right is not None and _holds(left, "right", robot) and _holds(right, "left", robot):
+    if (
+        left is not None
+        and right is not None
+        and _holds(left, "right", robot)
+        and _holds(right, "left", robot)
+    ):
         robot.role, robot.since_role = "centre", robot.tick
         robot.line, robot.since = left.beacon.line, left.beacon.since
         return

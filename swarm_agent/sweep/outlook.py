@@ -54,7 +54,7 @@ def look(robot: Robot) -> Outlook:
 
 
 def obstacle(robot: Robot, outlook: Outlook) -> complex | None:
-    """The nearest place of a wall ahead, not the leader's own, that is too near to it or its half of a link."""
+    """The nearest place of a wall ahead, not the leader's own, too near to it or to its half of a link."""
     found = np.flatnonzero(outlook.walls & ~outlook.own)
     if not len(found):
         return None
@@ -64,7 +64,9 @@ def obstacle(robot: Robot, outlook: Outlook) -> complex | None:
         peer = robot.neighbour(side)
         if peer is not None:
             half = shortened(outlook.ways[side], abs(peer.here - robot.here) / 2)
-            share = np.clip(((places - robot.here) * half.conjugate()).real / max(abs(half) ** 2, 1e-12), 0, 1)
+            share = np.clip(
+                ((places - robot.here) * half.conjugate()).real / max(abs(half) ** 2, 1e-12), 0, 1
+            )
             gaps = np.minimum(gaps, np.abs(places - robot.here - share * half))
     nearest = int(gaps.argmin())
     searches = robot.order > 0 and robot.order == robot.place

@@ -34,7 +34,7 @@ class Eye:
         return levels.astype(np.uint8).tobytes()
 
     def unpacked(self, packed: bytes) -> np.ndarray:
-        """Ranges of a packed scan, inf where nothing was seen; of one with other rays: 0, it tells nothing."""
+        """Ranges of a packed scan, inf where nothing was seen; all 0 if it has other rays."""
         if len(packed) != self.rays:
             return np.zeros(self.rays)
         levels = np.frombuffer(packed, np.uint8)

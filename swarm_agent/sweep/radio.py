@@ -31,8 +31,9 @@ class Flow(msgspec.Struct, frozen=True, array_like=True):
     """What a line tells from one of its ends up to a robot, that robot included.
 
     `count` robots; news of all of them is from tick `since` or later, and none has moved after `moved`.
-    `open`: has any something ahead that nobody sees; `halt`: does any want the line to stand; `pinned`: is any
-    held by an obstacle, `pivot`: in the middle; `want`: is there a gap that needs one more robot; `spare`: robots that follow them.
+    `open`: has any something ahead that nobody sees; `halt`: does any want the line to stand; `pinned`: is
+    any held by an obstacle, `pivot`: in the middle; `want`: is there a gap that needs one more robot;
+    `spare`: robots that follow them.
     `angle_rad`: of the leader at that end. `order`: what the right leader orders; `taut`: the place of the
     robot that has pushed as far as it can.
     """

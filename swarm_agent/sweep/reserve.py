@@ -1,7 +1,7 @@
-"""Robots that are not on a line: they follow the main line in file, come in where it needs one more, or travel.
+"""Robots that are on no line: they follow the main line in file, come in where it needs one more, or travel.
 
-Who sees nobody of the main line goes along walls, and along the backs of other lines as if they were walls, all
-on the same hand; so it meets every line there is on that ring of walls.
+Who sees nobody of the main line goes along walls, and along the backs of other lines as if they were walls,
+all on the same hand; so it meets every line there is on that ring of walls.
 """
 
 import numpy as np
@@ -25,7 +25,7 @@ WAIT_TICKS = 3
 
 
 class Reserve:
-    """What a robot remembers while it is not on a line. `hand`: on which side it keeps walls when it travels."""
+    """What a robot remembers while it is on no line. `hand`: on which side it keeps walls when it travels."""
 
     def __init__(self) -> None:
         self.hand: Side = "left"
@@ -73,7 +73,7 @@ class Reserve:
         return travel(robot, self.hand)
 
     def _come_in(self, robot: Robot, beside: Peer) -> complex | None:
-        """Ask into a link of that robot, if the line wants one more and nobody else does; or go where one can."""
+        """Ask into a link beside that robot, if the line wants one more; or go to where that can be done."""
         beacon = beside.beacon
         flows = [flow for flow in (beacon.from_left, beacon.from_right) if flow]
         wanted, count = any(flow.want for flow in flows), sum(flow.count for flow in flows)
@@ -144,7 +144,7 @@ def _file(robot: Robot) -> list[Peer]:
 
 
 def _choose(robot: Robot) -> Peer | None:
-    """Whom to follow: somebody of the main line, else the last of a file behind it; the same as before if it can."""
+    """Whom to follow: somebody of the main line, else the last of a file behind it; if it can, the same."""
     taken = {peer.beacon.ahead: peer.number for peer in _file(robot) if peer.beacon.ahead}
     reach: list[tuple[int, float, Peer]] = []
     for peer in robot.peers.known.values():

@@ -231,5 +231,4 @@ class Robot:
         return 0j
 
 
-
 UNRANKED = 9999
