@@ -50,10 +50,14 @@ class Edge(msgspec.Struct, frozen=True, array_like=True):
 
 
 class Moving(msgspec.Struct, frozen=True, array_like=True):
-    """The main line. `vertex`: the one it sweeps; `widest`: the most robots since its blocking position."""
+    """The main line. `vertex`: the one it sweeps; `widest`: the most robots since its blocking position.
+
+    `line`: the number it had while it stood, NO_LINE for the first.
+    """
 
     vertex: Number
     widest: Robots
+    line: Number = NO_LINE
 
 
 class Delta(msgspec.Struct, frozen=True, array_like=True):

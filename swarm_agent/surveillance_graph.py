@@ -37,7 +37,7 @@ class SurveillanceGraph(GraphCopy):
         vertex, edge = self.ahead_of(line), self.lines()[line]
         self._event()
         self._put_edge(msgspec.structs.replace(edge, line=NO_LINE))
-        self.main = Moving(vertex, edge.robots)
+        self.main = Moving(vertex, edge.robots, line)
 
     def measure(self, robots: int) -> None:
         """The main line has so many robots now.
@@ -52,15 +52,15 @@ class SurveillanceGraph(GraphCopy):
             return
         self._event()
         if robots > main.widest:
-            self.main = Moving(main.vertex, robots)
+            self.main = Moving(main.vertex, robots, main.line)
             self._raise(main.vertex, robots)
         elif main.widest > blocking or len(entries) > 1:
             ahead = self._new_vertex(main.vertex, robots, "move")
-            self.main = Moving(ahead, robots)
+            self.main = Moving(ahead, robots, main.line)
             self._close(main.vertex)
         else:
             self._put_edge(msgspec.structs.replace(entries[0], robots=robots))
-            self.main = Moving(main.vertex, robots)
+            self.main = Moving(main.vertex, robots, main.line)
 
     def split(self, left: int, right: int) -> tuple[int, int]:
         """The main line has become two stationary ones with so many robots. Returns the lines' numbers."""
@@ -92,7 +92,7 @@ class SurveillanceGraph(GraphCopy):
         other, edge = self.ahead_of(line), self.lines()[line]
         self._event()
         self._put_edge(msgspec.structs.replace(edge, line=NO_LINE))
-        self.main = Moving(main.vertex, max(main.widest, robots))
+        self.main = Moving(main.vertex, max(main.widest, robots), main.line)
         self._raise(main.vertex, robots)
         if other != main.vertex:  # else it stood before the same vertex, and an edge leads there already
             low, high = sorted((main.vertex, other))
@@ -106,6 +106,12 @@ class SurveillanceGraph(GraphCopy):
         Returns the numbers of the lines that now stand on edges to vertices known from before.
         """
         return self._close(self._leave(1))
+
+    def vanish(self, line: int) -> None:
+        """A stationary line has dissolved where it stood, because nothing was left ahead of it."""
+        ahead = self.ahead_of(line)
+        self._event()
+        self._close(ahead)
 
     def release(self, line: int | None) -> None:
         """A line is lost or abandoned, None: the main line. What it kept clear is contaminated.

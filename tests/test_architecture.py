@@ -63,6 +63,7 @@ PROCESS_CALLS = {
 PURE = (
     "swarm_agent/behaviours/*.py",
     "swarm_agent/company.py",
+    "swarm_agent/sweep/*.py",
     "swarm_agent/knowledge.py",
     "swarm_agent/line_radio.py",
     "swarm_agent/relay_posts.py",
@@ -72,7 +73,6 @@ PURE = (
     "swarm_agent/graph_clear.py",
     "swarm_agent/cut_sets.py",
     "swarm_agent/graph_copy.py",
-    "swarm_agent/geometry.py",
     "tower/base_station.py",
     "tower/desk.py",
     "tower/orders.py",

@@ -29,7 +29,7 @@ def test_a_delta_carries_what_has_changed_and_nothing_else():
     middle = graph.version
     graph.measure(4)
     delta = tell(graph, copy)
-    assert (delta.since, delta.version, delta.main) == (since, graph.version, Moving(2, 4))
+    assert (delta.since, delta.version, delta.main) == (since, graph.version, Moving(2, 4, left))
     assert [one.number for one in delta.vertices] == [1, 2, 3]
     assert [(one.low, one.high) for one in delta.edges] == [(1, 2), (1, 3)]
     assert same(graph, copy)
@@ -87,7 +87,7 @@ def test_a_copy_whose_writer_is_lost_is_written_on_and_the_newest_holds():
     assert tell(second, fourth).since == NOTHING
     assert tell(fourth, first).version == third.version
     assert all(same(copy, third) for copy in (first, second, fourth))
-    assert (first.main, len(first.net)) == (Moving(2, 4), 3)
+    assert (first.main, len(first.net)) == (Moving(2, 4, 2), 3)
 
 
 def test_of_equally_many_events_the_later_name_holds():

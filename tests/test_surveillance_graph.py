@@ -65,7 +65,7 @@ def test_a_line_that_could_not_go_on_waits_at_its_narrowest_and_its_vertex_takes
     assert graph.lines() == {line: Edge(0, 1, 2, "move", line)}
     assert graph.vertex(1) == Vertex(1, 6)
     graph.activate(line)
-    assert graph.main == Moving(1, 2)
+    assert graph.main == Moving(1, 2, line)
     graph.measure(7)
     graph.measure(6)
     assert (graph.vertex(1).robots, graph.edge(0, 1).robots, graph.edge(1, 2).robots) == (7, 2, 6)

@@ -1,0 +1,197 @@
+"""Sweep lines: robots without a map or a position clear a building that they have never seen.
+
+All robots run this; roles come about by talking. What each part does stands in swarm_agent/sweep.
+
+Source: Kolling and Carpin, "Multi-robot pursuit-evasion without maps", ICRA 2010. The errors of its
+pseudocode, and where we do otherwise: docs/clear.md.
+"""
+
+from collections.abc import Sequence
+from typing import Annotated, Literal, Self
+
+import msgspec
+import numpy as np
+
+from swarm_agent.behaviour import Behaviour, Heard, Move
+from swarm_agent.behaviour import Parameters as BaseParameters
+from swarm_agent.graph_copy import NOTHING
+from swarm_agent.sweep import events, flows, gait, links
+from swarm_agent.sweep.beginning import Beginning
+from swarm_agent.sweep.captain import Captain
+from swarm_agent.sweep.outlook import Outlook, look, obstacle
+from swarm_agent.sweep.radio import WALL, Beacon
+from swarm_agent.sweep.reserve import Reserve, in_front
+from swarm_agent.sweep.robot import Robot
+from wire import codec
+from wire.clearing import Standing
+from wire.messages import Configuration, Percept, Shift
+
+Metres = Annotated[float, msgspec.Meta(gt=0)]
+Ticks = Annotated[int, msgspec.Meta(ge=1, le=100_000)]
+STILL_M = 1e-6
+
+
+class Parameters(BaseParameters, frozen=True):
+    """Robots on a line stand at most `follow_m` apart; leaders stay `obstacle_m` from walls.
+
+    A robot leaves a line whose neighbours are `slack_m` nearer than they may be. `choose`: which part of a
+    split line moves on, the one with more or with fewer robots. `team`: how many robots there are; None: all
+    of the scenario. `dead_ticks`: who is silent for longer is dead. `hop_ticks`: how long a frame takes.
+    `patience_ticks`: how long to wait for robots that should come; `beginnings`: how often to begin again
+    elsewhere before the team says that it failed.
+    """
+
+    follow_m: Metres = 1.0
+    obstacle_m: Metres = 0.25
+    slack_m: Metres = 0.1
+    choose: Literal["more", "fewer"] = "more"
+    team: Annotated[int, msgspec.Meta(ge=1)] | None = None
+    dead_ticks: Ticks = 6
+    hop_ticks: Ticks = 1
+    patience_ticks: Ticks = 2500
+    beginnings: Annotated[int, msgspec.Meta(ge=0)] = 6
+
+    def settled(self, team_size: int) -> Self:
+        """The team is everybody but the tower, unless it is given."""
+        return msgspec.structs.replace(self, team=self.team or max(1, team_size - 1))
+
+
+class SweepLine(Behaviour):
+    """A robot of a sweep team."""
+
+    Parameters = Parameters
+    Radio = Beacon
+
+    def __init__(
+        self, parameters: Parameters, configuration: Configuration, generator: np.random.Generator
+    ) -> None:
+        super().__init__(parameters, configuration, generator)
+        self.robot = Robot(configuration, parameters)
+        self.beginning, self.captain = Beginning(), Captain()
+        self.reserve, self.slot = Reserve(), gait.Slot()
+        self._outlook: Outlook | None = None
+
+    def step(self, percept: Percept, heard: Sequence[Heard]) -> Move:
+        """Look, listen, agree with the neighbours, move, and tell."""
+        robot = self.robot
+        self._sense(percept, heard)
+        self.beginning.hear(robot, self.reserve)
+        if robot.role == "leader" and robot.stage == "forming":
+            self.beginning.await_second(robot)
+        elif robot.beside["left"] or robot.beside["right"]:
+            self._stand_in_line()
+        self._claim()
+        way = self._way()
+        if abs(way) > STILL_M:
+            robot.moved = robot.tick
+        flows.tell(robot)
+        return Move(Shift(way.real, way.imag), (self._beacon(),), robot.tick + 1, report=self._standing())
+
+    def _sense(self, percept: Percept, heard: Sequence[Heard]) -> None:
+        robot, senses = self.robot, percept.senses
+        if percept.why == "start":
+            robot.born = percept.tick
+        robot.tick, robot.events = percept.tick, []
+        robot.peers.take(percept.tick, complex(*senses.odometry_m), heard)
+        robot.ranges_m = np.frombuffer(senses.scan, "<f4").astype(float)
+        seen = np.isfinite(robot.ranges_m)
+        robot.hits = robot.here + robot.ranges_m[seen] * robot.eye.units[seen]
+        for peer in robot.peers.known.values():
+            if peer.beacon.delta is not None:
+                robot.graph.take(peer.beacon.delta)
+
+    def _stand_in_line(self) -> None:
+        """Tend the links, and see what is to be decided."""
+        robot, before = self.robot, self.robot.role
+        trouble = links.tend(robot)
+        if not trouble and robot.on_line:
+            flows.hear(robot)
+            robot.order = robot.told["right"].order if robot.told["right"] else robot.order
+            self._outlook = look(robot)
+            robot.open = bool(self._outlook.frontier.any())
+            robot.obstacle = obstacle(robot, self._outlook)
+            events.decide(robot, self._outlook)
+            if robot.role == "leader" and robot.beside["right"] == WALL:
+                trouble = self.captain.command(robot)
+        if trouble:
+            self.beginning.again(robot)
+        elif robot.role == "reserve" and before != "reserve":
+            self.reserve.begin(robot)
+
+    def _claim(self) -> None:
+        """All is done when a line has dissolved and no other is left; whoever hears of it agrees."""
+        robot = self.robot
+        main = robot.graph.main
+        if robot.role == "reserve" and main is not None and main.line in robot.gone:
+            robot.graph.dissolve()  # it had nothing ahead any more when it was chosen
+            events.choose_next(robot)
+        left = robot.graph.main is not None or set(robot.graph.lines()) - robot.gone
+        if robot.role == "reserve" and robot.graph.cleared() and not left:
+            robot.claim = "done"
+
+    def _way(self) -> complex:
+        robot = self.robot
+        if robot.role == "free":
+            return self.beginning.first(robot)
+        if robot.role == "anchor":
+            return self.beginning.gather(robot)
+        if robot.role == "reserve":
+            asked = self.beginning.second(robot)
+            return self.reserve.way(robot) if asked is None else asked
+        if robot.role == "leader" and robot.stage != "forming" and self._outlook is not None:
+            return gait.lead(robot, look(robot) if robot.since_role == robot.tick else self._outlook)
+        if robot.role in ("centre", "leaving"):
+            return gait.keep(robot, self.slot)
+        return 0j
+
+    def _beacon(self) -> Beacon:
+        robot = self.robot
+        version = robot.graph.version
+        older = [one.beacon.version for one in robot.peers.known.values() if one.beacon.version < version]
+        wall = robot.contact - robot.here
+        return Beacon(
+            robot.role,
+            robot.line,
+            robot.since,
+            robot.beside["left"],
+            robot.beside["right"],
+            robot.ahead,
+            robot.rank,
+            robot.tail,
+            robot.eye.packed(robot.ranges_m),
+            robot.peers.measured,
+            robot.flows["left"],
+            robot.flows["right"],
+            robot.pinned,
+            robot.close,
+            robot.ready,
+            wall.real,
+            wall.imag,
+            robot.stage,
+            robot.epoch,
+            robot.anchor,
+            robot.courier,
+            tuple(sorted(robot.dead)),
+            tuple(sorted(robot.gone)),
+            version,
+            robot.graph.delta_since(min(older)) if older else None,
+        )
+
+    def _standing(self) -> Standing:
+        robot = self.robot
+        nothing_held = robot.graph.main is None and not robot.graph.lines()
+        return Standing(
+            robot.role,
+            robot.line,
+            robot.is_main,
+            _name(robot.beside["left"]),
+            _name(robot.beside["right"]),
+            robot.claim,
+            nothing_held or (robot.role == "reserve" and in_front(robot)),
+            tuple(one for one in robot.events if one != "closed"),
+            codec.encode(robot.graph.delta_since(NOTHING)) if robot.events else b"",
+        )
+
+
+def _name(number: int) -> str:
+    return "wall" if number == WALL else f"r{number}" if number > 0 else ""

@@ -1,0 +1,176 @@
+"""How a team begins, and begins again: robots gather, and two of them form a first line on one wall.
+
+The first line is two leaders at one place of a wall, so close that nothing is between them and the wall that
+they do not see. After a loss that cannot be mended, or when no line can go on, one robot is the anchor: all
+others that hear of it come to it, and a courier goes round the walls to tell those who are far.
+"""
+
+import math
+
+import numpy as np
+
+from swarm_agent.sweep.geometry import nearest, turn_rad, unit
+from swarm_agent.sweep.peers import Peer
+from swarm_agent.sweep.radio import WALL
+from swarm_agent.sweep.reserve import Reserve, travel
+from swarm_agent.sweep.robot import Robot
+
+SETTLE_TICKS, SECOND_TICKS = 6, 150
+BESIDE_M, BESIDE_MOST_M, WALL_MOST_M = 0.3, 0.55, 0.4
+FAR_WALL_M = 9.0
+CORNER_STEPS, CORNER_RAD = 24, math.radians(60)
+WALK_M, WALK_MOST_M = 4.0, 12.0
+
+
+class Beginning:
+    """What a robot remembers of how its team began."""
+
+    def __init__(self) -> None:
+        self.beginnings = 0
+        self._anchor_tick = self._chosen_tick = 0
+        self._walked_m = 0.0
+        self._ways: list[complex] = []
+
+    def hear(self, robot: Robot, reserve: Reserve) -> None:
+        """Take over who is dead, and that the team begins again."""
+        for peer in robot.peers.known.values():
+            beacon = peer.beacon
+            robot.dead.update(number for number in beacon.dead if number not in (0, robot.number))
+            robot.gone.update(beacon.gone)
+            newer = beacon.epoch > robot.epoch
+            if newer or (beacon.epoch == robot.epoch and 0 < beacon.anchor < robot.anchor):
+                robot.epoch, robot.anchor, robot.courier = beacon.epoch, beacon.anchor, beacon.courier
+                robot.become("reserve", "gone")
+                reserve.begin(robot)
+                reserve.gone_round = False
+                robot.claim = ""
+                if robot.number == robot.courier or peer.number == robot.courier:
+                    reserve.hand = "right"
+
+    def again(self, robot: Robot) -> None:
+        """All that was clear is given up, here and now; this robot is the anchor."""
+        graph = robot.graph
+        if graph.main is not None:
+            graph.release(None)
+        while lines := graph.lines():
+            graph.release(min(lines))
+        near = [peer.number for peer in robot.peers.known.values()]
+        robot.become("anchor", "gathering")
+        robot.contact = nearest(robot.hits, robot.here) or robot.here
+        robot.epoch, robot.anchor, robot.courier = robot.epoch + 1, robot.number, max(near, default=0)
+        robot.claim = ""
+        robot.events.append("restart")
+        self.beginnings += 1
+        self._anchor_tick, self._walked_m, self._ways = robot.tick, 0.0, []
+
+    def first(self, robot: Robot) -> complex:
+        """A robot at the start: the one nearest to a wall forms the first line with another."""
+        second = self._second(robot)
+        if second is not None:
+            return second
+        known = robot.peers.known.values()
+        if any(one.beacon.role == "leader" and one.beacon.stage != "forming" for one in known):
+            robot.become("reserve")
+            return 0j
+        if robot.tick - robot.born < SETTLE_TICKS * robot.parameters.hop_ticks:
+            return 0j
+        own = (_wall_m(robot.ranges_m), robot.number)
+        if any(one.beacon.role == "leader" or (_wall_m(one.ranges_m), one.number) < own for one in known):
+            return 0j
+        return self._form(robot)
+
+    def gather(self, robot: Robot) -> complex:
+        """The anchor: it walks on to a corner if this is not the first time, waits for all, and forms."""
+        if self.beginnings > 1 and self._walked_m < WALK_MOST_M:
+            return self._walk(robot)
+        waited = robot.tick - self._anchor_tick
+        here = 1 + sum(
+            peer.beacon.tail for peer in robot.peers.known.values() if peer.beacon.ahead == robot.number
+        )
+        if here < 2 or (here < robot.team and waited < robot.parameters.patience_ticks):
+            return 0j
+        return self._form(robot)
+
+    def await_second(self, robot: Robot) -> None:
+        """The first leader waits for the other one, and asks somebody else after a while."""
+        other = robot.neighbour("right")
+        if other is not None and other.beacon.left == robot.number:
+            robot.stage = ""
+        elif other is None or robot.tick - self._chosen_tick > SECOND_TICKS:
+            near = _candidates(robot)
+            if near:
+                robot.beside["right"] = near[robot.tick // SECOND_TICKS % len(near)].number
+            self._chosen_tick = robot.tick
+
+    def second(self, robot: Robot) -> complex | None:
+        """The step of one who is asked to be the other leader of a first line; None if nobody asks."""
+        return self._second(robot)
+
+    def _walk(self, robot: Robot) -> complex:
+        way = travel(robot, "left")
+        self._walked_m += abs(way)
+        self._ways = ([*self._ways, unit(way)] if way else self._ways)[-CORNER_STEPS:]
+        if self._walked_m > WALK_M and len(self._ways) == CORNER_STEPS:
+            turned_rad = turn_rad(self._ways[0], self._ways[-1], "right")
+            if CORNER_RAD < turned_rad < math.pi:
+                self._walked_m = WALK_MOST_M
+        return way
+
+    def _form(self, robot: Robot) -> complex:
+        wall = nearest(robot.hits, robot.here)
+        if wall is None:
+            seen = [peer.hits for peer in robot.peers.known.values()]
+            wall = nearest(np.concatenate(seen), robot.here) if seen else None
+            return robot.best(robot.step_m if wall is None else wall - robot.here, holds=False)
+        robot.contact = wall
+        if abs(wall - robot.here) > robot.parameters.obstacle_m + 0.02:
+            return robot.best(wall - robot.here, holds=False, wall_m=0.1)
+        near = _candidates(robot)
+        if near:
+            spot = robot.here - 1j * unit(robot.here - wall) * BESIDE_M
+            other = min(near, key=lambda one: abs(one.here - spot))
+            robot.become("leader", "forming")
+            robot.beside = {"left": WALL, "right": other.number}
+            robot.since, robot.contact = robot.tick, wall
+            self._chosen_tick = robot.tick
+        return 0j
+
+    def _second(self, robot: Robot) -> complex | None:
+        if robot.graph.main is not None:
+            return None
+        for peer in robot.peers.known.values():
+            beacon = peer.beacon
+            if beacon.stage == "forming" and beacon.right == robot.number and beacon.epoch == robot.epoch:
+                return _stand_beside(robot, peer)
+        return None
+
+
+def _stand_beside(robot: Robot, first: Peer) -> complex:
+    """Go to the place at the wall on the right of the first leader, and be the second one there."""
+    right = -1j * unit(first.here - first.wall)
+    wall = nearest(robot.hits, robot.here)
+    at_wall = wall is not None and abs(wall - robot.here) < WALL_MOST_M
+    away = robot.here - first.here
+    if at_wall and abs(away) < BESIDE_MOST_M and (away / right).real > 0.1:
+        robot.become("leader")
+        robot.beside = {"left": first.number, "right": WALL}
+        robot.contact, robot.moved, robot.since = wall, robot.tick, first.beacon.since
+        robot.graph.begin(2)
+        return 0j
+    return robot.best(first.here + right * BESIDE_M - robot.here, holds=False)
+
+
+def _candidates(robot: Robot) -> list[Peer]:
+    """Who can be asked to be the second leader."""
+    return [
+        peer
+        for number, peer in sorted(robot.peers.known.items())
+        if peer.beacon.role in ("reserve", "free") and peer.beacon.epoch == robot.epoch
+        if number != robot.beside["right"] and abs(peer.here - robot.here) < 4 * BESIDE_M
+    ]
+
+
+def _wall_m(ranges_m: np.ndarray) -> float:
+    """The distance of the nearest wall, to the centimetre."""
+    nearest_m = float(ranges_m.min())
+    return round(nearest_m, 2) if math.isfinite(nearest_m) else FAR_WALL_M

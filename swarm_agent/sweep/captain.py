@@ -1,0 +1,128 @@
+"""The captain of the main line, its right leader: what to do when the line cannot go on.
+
+First the line steps back until one robot is free, and bends forward at one robot after the other in search of
+an obstacle. If there is none, it stands, and another line takes over; if none can, all that is clear is given
+up and the team begins again elsewhere.
+"""
+
+from swarm_agent.sweep.events import strike_out
+from swarm_agent.sweep.radio import WALL
+from swarm_agent.sweep.robot import Robot
+
+GO_ON, GO_BACK = 0, -1
+FIRST_PLACE = 2
+SLOWLY_TICKS, ORDER_TICKS, PUSH_TICKS = 30, 400, 200
+ROUNDS = 2
+
+
+class Captain:
+    """What it has ordered, and when; `beginnings`: how often this robot made the team begin again."""
+
+    def __init__(self) -> None:
+        self.beginnings = 0
+        self._order_tick = self._main_tick = self._rounds = 0
+        self._robots = 0
+
+    def command(self, robot: Robot) -> str:
+        """Order what is to be done. Returns why the team must begin again, or nothing."""
+        if not robot.is_main or not robot.is_whole or robot.beside["left"] == WALL:
+            robot.order, self._main_tick = GO_ON, robot.tick
+            return ""
+        self._measure(robot)
+        told = robot.told["left"]
+        if robot.order == GO_ON:
+            return self._search(robot) if self._is_stuck(robot) else ""
+        if told.pinned or told.halt:
+            self._order_tick = robot.tick
+            if told.pinned and robot.order >= FIRST_PLACE:
+                self._rounds = 0
+                self._give(robot, GO_ON)
+            return ""
+        for_ticks = robot.tick - self._order_tick
+        if robot.order == GO_BACK:
+            if self._has_slack(robot) or for_ticks > ORDER_TICKS:
+                self._give(robot, FIRST_PLACE)
+            elif robot.tick - robot.last_moved() > self._settled(robot) and for_ticks > self._settled(robot):
+                return self._fail(robot)
+        elif told.taut == robot.order or for_ticks > PUSH_TICKS:
+            if robot.order < robot.count - 1:
+                self._give(robot, robot.order + 1)
+            else:
+                return self._search(robot)
+        return ""
+
+    def _give(self, robot: Robot, order: int) -> None:
+        robot.order, self._order_tick = order, robot.tick
+
+    def _measure(self, robot: Robot) -> None:
+        """Tell the graph how many robots the line has, once that has been so for a while."""
+        if robot.told["left"].pinned:
+            return
+        strike_out(robot)
+        if robot.count != self._robots and robot.is_quiet:
+            self._robots = robot.count
+            robot.graph.measure(robot.count)
+
+    def _settled(self, robot: Robot) -> int:
+        return (2 * robot.count + SLOWLY_TICKS) * robot.parameters.hop_ticks
+
+    def _is_stuck(self, robot: Robot) -> bool:
+        """Has nobody moved for so long that nobody will: sooner where nobody else is to come?"""
+        if not robot.is_quiet:
+            return False
+        told = robot.told["left"]
+        spare = told.spare + robot.flows["right"].spare if robot.flows["right"] else told.spare
+        others = sum(edge.robots for edge in robot.graph.lines().values())
+        coming = robot.team - robot.count - spare - others
+        wait = self._settled(robot)
+        if spare or told.pinned:
+            wait += ORDER_TICKS // 2
+        if coming > 0:
+            wait = robot.parameters.patience_ticks
+        return robot.tick - max(robot.last_moved(), self._main_tick) > wait
+
+    def _has_slack(self, robot: Robot) -> bool:
+        """Could the robot beside the captain leave the line?"""
+        beside = robot.neighbour("left")
+        beyond = robot.peer(beside.beacon.left) if beside else None
+        least_m = robot.parameters.follow_m - robot.parameters.slack_m / 2
+        return beyond is not None and abs(beyond.here - robot.here) <= least_m
+
+    def _search(self, robot: Robot) -> str:
+        """Begin a round of searching, if there is anybody to search with and no round too many."""
+        if self._rounds >= ROUNDS or robot.count < FIRST_PLACE + 1 or robot.told["left"].pinned:
+            return self._fail(robot)
+        self._rounds += 1
+        if self._rounds == 1:
+            robot.events.append("search")
+        self._give(robot, GO_BACK)
+        return ""
+
+    def _fail(self, robot: Robot) -> str:
+        """Nothing was found: another line is to go on, or the team begins again, or gives up."""
+        if self._rounds:
+            robot.events.append("search_failed")
+        self._rounds = 0
+        self._give(robot, GO_ON)
+        self._main_tick = robot.tick
+        following = self._following(robot)
+        if following is not None:
+            held = sum(edge.robots for edge in robot.graph.lines().values())
+            if lines := robot.graph.park(robot.team - held):
+                robot.graph.activate(following)
+                robot.line, robot.since = lines[0], robot.tick
+                return ""
+        if self.beginnings < robot.parameters.beginnings:
+            return "no line can go on"
+        robot.claim = "failed"
+        return ""
+
+    def _following(self, robot: Robot) -> int | None:
+        """The newest standing line that would get more robots, and as many as it is known to need."""
+        lines = robot.graph.lines()
+        free = robot.team - robot.count - sum(edge.robots for edge in lines.values())
+        for line in sorted(lines, reverse=True):
+            robots = lines[line].robots + free
+            if free > 0 and robots >= robot.graph.vertex(robot.graph.ahead_of(line)).robots:
+                return line
+        return None

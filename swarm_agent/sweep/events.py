@@ -1,0 +1,145 @@
+"""What happens to a line: it stands, splits at an obstacle, loses a closed side, or dissolves.
+
+Nothing is decided before the whole line has stood still for so long that all news is from then.
+"""
+
+import networkx
+
+from swarm_agent.graph_clear import next_vertex
+from swarm_agent.sweep.outlook import Outlook, sides_open
+from swarm_agent.sweep.peers import Peer
+from swarm_agent.sweep.radio import OTHER, SIDES, WALL, Side
+from swarm_agent.sweep.robot import Robot
+
+
+def decide(robot: Robot, outlook: Outlook) -> None:
+    """Stand, split, or give up what is closed, as all that is known of the line calls for."""
+    if robot.role == "leader":
+        robot.close = robot.obstacle is not None
+        if robot.wall_side() == "right":
+            _end_of_line(robot)
+    elif robot.role == "centre":
+        _in_the_middle(robot, outlook)
+    else:
+        robot.halt = False
+
+
+def _end_of_line(robot: Robot) -> None:
+    """The right leader dissolves a line that has nothing ahead."""
+    told = robot.told["left"]
+    robot.halt = not robot.open and told is not None and not told.open
+    if robot.halt and robot.is_quiet:
+        robot.events.append("dissolve")
+        if robot.is_main:
+            robot.graph.dissolve()
+            choose_next(robot)
+        else:
+            robot.gone.add(robot.line)
+        robot.become("reserve", "gone")
+
+
+def choose_next(robot: Robot) -> None:
+    """A standing line becomes the main line, as the plan for what is known of the floor wants it."""
+    strike_out(robot)
+    lines = robot.graph.lines()
+    if not lines:
+        return
+    cleared = robot.graph.cleared()
+    around = networkx.node_connected_component(robot.graph.net, min(cleared))  # not from before a restart
+    vertex = next_vertex(robot.graph.net.subgraph(around), cleared, robot.team)
+    wanted = [line for line in lines if robot.graph.ahead_of(line) == vertex]
+    robot.graph.activate(wanted[0] if wanted else max(lines))
+
+
+def strike_out(robot: Robot) -> None:
+    """Lines that have dissolved where they stood are no lines any more."""
+    for line in sorted(robot.gone & set(robot.graph.lines())):
+        robot.graph.vanish(line)
+
+
+def _in_the_middle(robot: Robot, outlook: Outlook) -> None:
+    was_ready = robot.ready
+    robot.ready = False
+    for side in SIDES:
+        peer = robot.neighbour(side)
+        if peer is None:
+            continue
+        if was_ready and _was_cut(robot, peer, side):
+            _become_end(robot, side, robot.contact)
+            robot.line, robot.since = peer.beacon.line + (1 if side == "left" else -1), peer.beacon.since
+            return
+        if _waits_for(robot, peer, side):
+            robot.pinned = robot.halt = False
+            if robot.sees(peer.wall):
+                robot.ready, robot.contact = True, peer.wall
+    if robot.ready or _beside_pivot(robot):
+        return
+    if robot.obstacle is None and not (robot.pinned and robot.sees(robot.contact)):
+        robot.pinned = robot.halt = False
+        return
+    if not robot.pinned:
+        robot.contact, robot.halt = robot.obstacle, True
+    elif robot.is_main and _split(robot):
+        return
+    if robot.is_quiet:
+        _judge(robot, outlook)
+
+
+def _was_cut(robot: Robot, peer: Peer, side: Side) -> bool:
+    beacon = peer.beacon
+    return beacon.stage == "cut" and beacon.beside(OTHER[side]) == WALL and beacon.role == "leader"
+
+
+def _waits_for(robot: Robot, peer: Peer, side: Side) -> bool:
+    """Is that neighbour a pivot, and we the one to stand beside it? Of two pivots the right one gives way."""
+    held = peer.beacon.beside(OTHER[side]) == robot.number
+    return held and peer.beacon.pinned and (side == "left" or not robot.pinned)
+
+
+def _beside_pivot(robot: Robot) -> bool:
+    left = robot.neighbour("left")
+    return left is not None and left.beacon.pinned
+
+
+def _judge(robot: Robot, outlook: Outlook) -> None:
+    """An obstacle ahead: is there anything on both sides of it?"""
+    open_left, open_right = sides_open(outlook, robot.contact)
+    open_left = open_left or robot.told["left"].open
+    open_right = open_right or robot.told["right"].open
+    if open_left and open_right:
+        robot.pinned, robot.halt = True, False
+    elif open_left or open_right:
+        robot.events.append("closed")
+        _become_end(robot, "left" if open_right else "right", robot.contact)
+        robot.stage = "closed"
+
+
+def _split(robot: Robot) -> bool:
+    """A neighbour sees the wall too: each becomes the end of a line of its own. Was it so?
+
+    Of several pivots of a line the leftmost comes first: only one robot writes into the graph at a time.
+    """
+    if robot.told["left"] is None or robot.told["left"].pivot:
+        return False
+    for side in ("right", "left"):
+        peer = robot.neighbour(side)
+        held = peer is not None and peer.beacon.ready and peer.beacon.beside(OTHER[side]) == robot.number
+        if not held or robot.old or not robot.is_whole:
+            continue
+        left = robot.told["left"].count + (side == "right")
+        right = robot.told["right"].count + (side == "left")
+        lines = robot.graph.split(left, right)
+        more_left = (left >= right) == (robot.parameters.choose == "more")
+        robot.graph.activate(lines[0] if more_left else lines[1])
+        _become_end(robot, side, robot.contact)
+        robot.line, robot.since, robot.stage = lines[0] if side == "right" else lines[1], robot.tick, "cut"
+        robot.events.append("split")
+        return True
+    return False
+
+
+def _become_end(robot: Robot, side: Side, wall: complex) -> None:
+    """The link on that side is given up for a wall."""
+    robot.role, robot.stage, robot.since_role = "leader", "", robot.tick
+    robot.beside[side], robot.contact = WALL, wall
+    robot.pinned = robot.halt = robot.close = robot.ready = False

@@ -1,0 +1,179 @@
+"""How robots on a line move: leaders along their walls, the others so that the chain stays taut.
+
+Source: the rules for leaders and slots are those of Kolling and Carpin, "Multi-robot pursuit-evasion without
+maps", 2010, section III; its errors are mended as docs/clear.md says.
+"""
+
+import cmath
+import math
+
+import numpy as np
+
+from swarm_agent.sweep.geometry import nearest, roll, shortened, turn_rad, unit
+from swarm_agent.sweep.links import is_spare
+from swarm_agent.sweep.outlook import Outlook
+from swarm_agent.sweep.peers import Peer
+from swarm_agent.sweep.radio import OTHER, SIDES, Side
+from swarm_agent.sweep.robot import Robot
+
+STRAIGHT_RAD = 1.8 * math.pi  # larger angles are noise around zero
+ALIKE_RAD = 0.01
+FARTHEST_M = 0.45  # from its wall, for who comes near to it again while it goes
+ASIDE_DEG = (0, 20, 40, 60, 80, 100)
+APART_M, TOGETHER_M = 0.34, 0.25
+REST_M, NEARER_M, TRY_TICKS = 0.025, 0.01, 10
+TAUT_TICKS = 12
+
+
+def lead(robot: Robot, outlook: Outlook) -> complex:
+    """A leader's way: along its wall, if that shortens the line, or lengthens it less than the other's."""
+    side = robot.wall_side()
+    touch(robot)
+    way, contact = along_wall(robot, side)
+    robot.angle_rad = turn_rad(outlook.ways[OTHER[side]], way, side)
+    if robot.angle_rad > STRAIGHT_RAD:
+        robot.angle_rad = 0.0
+    other = robot.told[OTHER[side]]
+    if other is None or robot.halt or robot.any_told("halt"):
+        return 0j
+    if robot.order < 0:
+        return _go_back(robot, side, other.angle_rad)
+    if robot.order > 0 or robot.close:
+        return 0j
+    shortens = robot.angle_rad < math.pi / 2 - 2 * ALIKE_RAD
+    if not shortens and not may_grow(robot, other.angle_rad):
+        return 0j
+    inward = -1 if side == "left" else 1
+    for aside_deg in ASIDE_DEG:
+        some = way * cmath.exp(1j * inward * math.radians(aside_deg))
+        for size in (1.0, 0.5, 0.2):
+            if robot.may(some * size, wall_m=0.1):
+                if size == 1.0 and not aside_deg:
+                    robot.contact = contact
+                return some * size
+    return 0j
+
+
+def may_grow(robot: Robot, other_rad: float) -> bool:
+    """May it lengthen the line: the main line, without a pivot, by the smaller angle of the two?"""
+    held = robot.close or robot.any_told("pinned")
+    return robot.is_main and not held and robot.angle_rad <= other_rad + ALIKE_RAD
+
+
+def touch(robot: Robot) -> None:
+    """Find the place of its wall again that is nearest now."""
+    if len(robot.hits):
+        near = robot.hits[np.abs(robot.hits - robot.contact) <= 0.15]
+        robot.contact = nearest(near if len(near) else robot.hits, robot.here)
+
+
+def along_wall(robot: Robot, hand: Side) -> tuple[complex, complex]:
+    """A step along the wall on one hand, round robots that stand there, and the place touched after it."""
+    others = [
+        peer.here
+        for peer in robot.peers.known.values()
+        if peer.beacon.follows_nobody and abs(peer.here - robot.here) < 0.36
+    ]
+    walls = np.concatenate((robot.hits, np.array(others, dtype=complex)))
+    return roll(robot.here, walls, robot.contact, hand, _keep_m(robot), robot.step_m)
+
+
+def _keep_m(robot: Robot) -> float:
+    """How far to stay from the wall: from wherever it is, a little nearer with every step."""
+    nearer_m = min(abs(robot.contact - robot.here) - 0.3 * robot.step_m, FARTHEST_M)
+    return max(robot.parameters.obstacle_m, nearer_m)
+
+
+def _go_back(robot: Robot, side: Side, other_rad: float) -> complex:
+    """Back along the wall, if that shortens the line, and not much less than the other end's way would."""
+    if robot.angle_rad <= math.pi / 2 or robot.angle_rad < other_rad - 0.3:
+        return 0j
+    way, contact = roll(robot.here, robot.hits, robot.contact, OTHER[side], _keep_m(robot), robot.step_m)
+    for size in (1.0, 0.5):
+        if robot.may(way * size, wall_m=0.1):
+            if size == 1.0:
+                robot.contact = contact
+            return way * size
+    return 0j
+
+
+class Slot:
+    """Where a robot in the middle wants to be, and whether it comes nearer to it."""
+
+    def __init__(self) -> None:
+        self._aim, self._least_m, self._nearer = 0j, 0.0, 0
+
+    def way(self, robot: Robot, aim: complex) -> complex:
+        """The way to go; nothing when it is there, or has not come nearer for a while."""
+        far_m = abs(aim - robot.here)
+        if far_m < REST_M:
+            return 0j
+        if abs(aim - self._aim) > 2 * REST_M:
+            self._aim, self._least_m, self._nearer = aim, far_m, robot.tick
+        elif far_m < self._least_m - NEARER_M:
+            self._least_m, self._nearer = far_m, robot.tick
+        elif robot.tick - self._nearer > TRY_TICKS:
+            return 0j
+        return robot.best(aim - robot.here)
+
+
+def keep(robot: Robot, slot: Slot) -> complex:
+    """The way of a robot in the middle: to its slot, forward when it searches, or to the wall of a pivot."""
+    left, right = (robot.neighbour(side) for side in SIDES)
+    stands = robot.pinned or robot.ready or robot.halt or robot.any_told("halt")
+    if left is None or right is None or stands:
+        return 0j
+    if robot.order > 0 and robot.order == robot.place and robot.role == "centre":
+        return _push(robot, left, right)
+    if robot.order == 0 and robot.role == "centre" and not robot.any_told("want") and is_spare(robot):
+        robot.role, robot.since_role = "leaving", robot.tick
+    for pivot in (left, right):
+        if pivot.beacon.pinned and abs(pivot.wall - robot.here) > APART_M:
+            way = robot.best(pivot.wall - robot.here)
+            if way:
+                return way
+    return slot.way(robot, _slot(robot, left, right))
+
+
+def _slot(robot: Robot, left: Peer, right: Peer) -> complex:
+    """On the taut chain between its neighbours, `follow_m` from the left one, not too near the right one."""
+    over_left = robot.over(left.here, robot.here, robot.walls(left))
+    over_right = robot.over(robot.here, right.here, robot.walls(right))
+    first = left.here if over_left is None else over_left
+    last = right.here if over_right is None else over_right
+    length_m = abs(last - first)
+    if length_m < 1e-9:
+        return robot.here
+    near = left.beacon.pinned or left.beacon.close
+    along_m = (TOGETHER_M if near else robot.parameters.follow_m) - abs(first - left.here)
+    most_m = length_m - (APART_M if over_right is None else 0.0)
+    if right.beacon.close and right.beacon.role == "leader":
+        along_m = max(along_m, min(most_m - 0.05, robot.parameters.follow_m + 0.1))
+    along_m = min(max(along_m, 0.0), max(most_m, 0.0))
+    if over_left is None:
+        along_m = max(along_m, min(TOGETHER_M, length_m / 2))
+    return first + (last - first) * (along_m / length_m)
+
+
+def _push(robot: Robot, left: Peer, right: Peer) -> complex:
+    """Forward as far as both links reach, in search of an obstacle.
+
+    Where it ends, the left part of the chain is as long as its robots reach, and the right part too: the
+    places of the paper's obstacle search.
+    """
+    forward = 1j * unit(right.here - left.here) * robot.step_m
+    longest_m = robot.parameters.follow_m + robot.step_m
+    for turn_deg in (0, 25, -25, 50, -50):
+        way = forward * cmath.exp(1j * math.radians(turn_deg))
+        taut = max(abs(one.here - robot.here - way) for one in (left, right)) > longest_m
+        if not taut and robot.may(way):
+            robot.taut, robot.pushed = 0, robot.tick
+            return way
+    if robot.tick - robot.pushed > TAUT_TICKS * robot.parameters.hop_ticks:
+        robot.taut = robot.place
+    return 0j
+
+
+def toward(robot: Robot, place: complex) -> complex:
+    """A step to a place, around what is in the way."""
+    return robot.best(shortened(place - robot.here, robot.step_m), holds=False)

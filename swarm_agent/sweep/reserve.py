@@ -1,0 +1,240 @@
+"""Robots that are on no line: they follow the main line in file, come in where it needs one more, or travel.
+
+Who sees nobody of the main line goes along walls, and along the backs of other lines as if they were walls,
+all on the same hand; so it meets every line there is on that ring of walls.
+"""
+
+import numpy as np
+
+from swarm_agent.sweep.gait import toward
+from swarm_agent.sweep.geometry import NOTHING, clearance_m, nearest, roll, unit
+from swarm_agent.sweep.links import BARELY_M, ask_in
+from swarm_agent.sweep.peers import Peer
+from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, Side
+from swarm_agent.sweep.robot import UNRANKED, Robot
+
+ROOM_M = {"leader": 0.4, "reserve": 0.26, "free": 0.26}
+ROOM_ELSE_M = 0.28
+FILE_M, LEADER_FILE_M = 0.36, 0.5
+NEAR_M, HEARD_M, FAR_M = 0.6, 1.2, 1.9
+BODY_WIDTH_M = 0.13
+CRUMB_M = 0.04
+TRAVEL_M = 0.2
+MOST_TAIL = 50
+WAIT_TICKS = 3
+
+
+class Reserve:
+    """What a robot remembers while it is on no line. `hand`: on which side it keeps walls when it travels."""
+
+    def __init__(self) -> None:
+        self.hand: Side = "left"
+        self.gone_round = False
+        self._asked: tuple[bool, int, int] = (False, 0, 0)
+        self._asked_tick = 0
+
+    def begin(self, robot: Robot) -> None:
+        """It has just left a line."""
+        self.hand = "left"
+        robot.contact = nearest(robot.hits, robot.here) or robot.here
+
+    def way(self, robot: Robot) -> complex:
+        """Where to go now. It may ask to come into the line instead."""
+        room = _make_room(robot)
+        if room:
+            return room
+        if robot.courier == robot.number:
+            robot.ahead, robot.rank = NOBODY, UNRANKED
+            return self._carry_word(robot)
+        robot.tail = min(MOST_TAIL, 1 + _followers(robot))
+        leader = _choose(robot)
+        robot.ahead = leader.number if leader else NOBODY
+        robot.rank = UNRANKED if leader is None else 1 if is_ours(robot, leader) else leader.beacon.rank + 1
+        if leader is None:
+            return self._travel(robot)
+        if is_ours(robot, leader):
+            way = self._come_in(robot, leader)
+            if way is not None:
+                return way
+        return _follow(robot, leader)
+
+    def _carry_word(self, robot: Robot) -> complex:
+        """The courier goes once round the walls, back to the anchor."""
+        anchor = robot.peer(robot.anchor)
+        if anchor is None:
+            self.gone_round = True
+        elif self.gone_round:
+            robot.courier = NOBODY
+        return travel(robot, self.hand)
+
+    def _travel(self, robot: Robot) -> complex:
+        if robot.graph.main is None and not robot.graph.lines() and not robot.anchor:
+            return 0j
+        return travel(robot, self.hand)
+
+    def _come_in(self, robot: Robot, beside: Peer) -> complex | None:
+        """Ask into a link beside that robot, if the line wants one more; or go to where that can be done."""
+        beacon = beside.beacon
+        flows = [flow for flow in (beacon.from_left, beacon.from_right) if flow]
+        wanted, count = any(flow.want for flow in flows), sum(flow.count for flow in flows)
+        asked = (wanted, count, beside.number)
+        if asked != self._asked:
+            self._asked, self._asked_tick = asked, robot.tick
+        wait = (WAIT_TICKS + (2 * count if _is_second(robot) else 0)) * robot.parameters.hop_ticks
+        if not wanted or len(flows) < 2 or robot.tick - self._asked_tick <= wait:
+            return None
+        middles = []
+        for side in ("right", "left"):
+            other = robot.peer(beacon.beside(side))
+            if other is None or not _is_link(beside, other, side):
+                continue
+            left, right = (beside, other) if side == "right" else (other, beside)
+            if min(robot.link_m(left, "left"), robot.link_m(right, "right")) >= BARELY_M:
+                ask_in(robot, left, right)
+                return 0j
+            middles.append((left.here + right.here) / 2)
+        if not middles:
+            return None
+        return toward(robot, min(middles, key=lambda place: abs(place - robot.here))) or None
+
+
+def is_ours(robot: Robot, peer: Peer) -> bool:
+    """Does that robot stand on the main line, or is it the one to gather around?"""
+    beacon, main = peer.beacon, robot.graph.main
+    if beacon.epoch != robot.epoch:
+        return False
+    if beacon.role == "anchor":
+        return True
+    return beacon.role in ("leader", "centre") and main is not None and beacon.line == main.line
+
+
+def travel(robot: Robot, hand: Side) -> complex:
+    """A step along walls and the backs of lines, which stay on one hand."""
+    walls = np.concatenate((robot.hits, _lines(robot)))
+    if not len(walls):
+        return toward(robot, robot.contact)
+    near = walls[np.abs(walls - robot.contact) <= TRAVEL_M]
+    robot.contact = nearest(near if len(near) else walls, robot.here)
+    keep_m = max(TRAVEL_M, min(abs(robot.contact - robot.here) - 0.3 * robot.step_m, 0.45))
+    way, contact = roll(robot.here, walls, robot.contact, hand, keep_m, robot.step_m)
+    for size in (1.0, 0.5):
+        if robot.may(way * size, holds=False, wall_m=0.1):
+            if size == 1.0:
+                robot.contact = contact
+            return way * size
+    return toward(robot, robot.here + way)
+
+
+def _make_room(robot: Robot) -> complex:
+    """Away from who is too near; lines have the right of way."""
+    push = 0j
+    for peer in robot.peers.known.values():
+        away, room_m = robot.here - peer.here, ROOM_M.get(peer.beacon.role, ROOM_ELSE_M)
+        if abs(away) < room_m:
+            push += unit(away) * (room_m + 0.02 - abs(away))
+    return toward(robot, robot.here + unit(push) * robot.step_m) if push else 0j
+
+
+def _followers(robot: Robot) -> int:
+    return sum(peer.beacon.tail for peer in _file(robot) if peer.beacon.ahead == robot.number)
+
+
+def _file(robot: Robot) -> list[Peer]:
+    return [peer for peer in robot.peers.known.values() if peer.beacon.role == "reserve"]
+
+
+def _choose(robot: Robot) -> Peer | None:
+    """Whom to follow: somebody of the main line, else the last of a file behind it; if it can, the same."""
+    taken = {peer.beacon.ahead: peer.number for peer in _file(robot) if peer.beacon.ahead}
+    reach: list[tuple[int, float, Peer]] = []
+    for peer in robot.peers.known.values():
+        far_m = abs(peer.here - robot.here)
+        if is_ours(robot, peer):
+            clear = far_m < NEAR_M or _is_clear(robot, peer)
+            reach += [(0, far_m, peer)] if clear else []
+        elif peer.beacon.role == "reserve" and peer.beacon.rank < UNRANKED:
+            follower = taken.get(peer.number)
+            given = follower is None or (follower > robot.number and robot.ahead == peer.number)
+            if given and peer.beacon.ahead != robot.number and far_m < HEARD_M:
+                reach.append((peer.beacon.rank, far_m, peer))
+    now = robot.peer(robot.ahead)
+    kept = next((one for one in reach if one[2] is now), None)
+    if kept is not None and (kept[0] == 0 or kept[0] < robot.rank):
+        near = min((far_m for rank, far_m, _ in reach if rank == 0), default=np.inf)
+        limit_m = kept[1] - TRAVEL_M if kept[0] == 0 else NEAR_M
+        if near >= limit_m:
+            return now
+    elif now is not None and is_ours(robot, now) and abs(now.here - robot.here) <= FAR_M:
+        return now
+    better = [one for one in reach if one[0] < robot.rank or robot.rank >= UNRANKED]
+    robot.crumbs = []
+    return min(better, key=lambda one: (one[0] > 0, one[1]))[2] if better else None
+
+
+def _is_clear(robot: Robot, peer: Peer) -> bool:
+    return clearance_m(robot.walls(peer), robot.here, peer.here) >= BODY_WIDTH_M
+
+
+def _is_second(robot: Robot) -> bool:
+    """Does somebody else ask already, or has it the right to ask first?"""
+    for peer in robot.peers.known.values():
+        if peer.beacon.role == "joining":
+            return True
+        first = peer.beacon.role == "reserve" and peer.beacon.rank == 1 and peer.number < robot.number
+        if first:
+            return True
+    return False
+
+
+def _is_link(beside: Peer, other: Peer, side: Side) -> bool:
+    """Do the two hold each other, and will both stay?"""
+    held = other.beacon.beside(OTHER[side]) == beside.number
+    stays = all(one.beacon.role in ("leader", "centre") and not one.beacon.ready for one in (beside, other))
+    left = beside if side == "right" else other
+    return held and stays and not left.beacon.pinned
+
+
+def _follow(robot: Robot, leader: Peer) -> complex:
+    """Along the way that the one ahead has come, up to a distance."""
+    if not robot.crumbs or abs(robot.crumbs[-1] - leader.here) > CRUMB_M:
+        robot.crumbs.append(leader.here)
+    far_m = abs(leader.here - robot.here)
+    if far_m <= (LEADER_FILE_M if leader.beacon.role == "leader" else FILE_M):
+        del robot.crumbs[:-1]
+        return 0j
+    for crumb in range(len(robot.crumbs) - 1, -1, -1):
+        place = robot.crumbs[crumb]
+        if abs(place - robot.here) <= NEAR_M and clearance_m(robot.hits, robot.here, place) >= BODY_WIDTH_M:
+            del robot.crumbs[:crumb]
+            break
+    goal = robot.crumbs[0]
+    if abs(goal - robot.here) < robot.step_m and len(robot.crumbs) > 1:
+        del robot.crumbs[0]
+    return toward(robot, goal)
+
+
+def _lines(robot: Robot) -> np.ndarray:
+    """Places along the links of lines, and between leaders and their walls."""
+    places = []
+    for peer in robot.peers.known.values():
+        if peer.beacon.role not in BARRIER:
+            continue
+        right = robot.peer(peer.beacon.right)
+        if right is not None:
+            places.append(peer.here + np.linspace(0, 1, 12) * (right.here - peer.here))
+        if peer.beacon.role == "leader":
+            places.append(peer.here + np.linspace(0, 1, 5) * (peer.wall - peer.here))
+    return np.concatenate(places) if places else NOTHING
+
+
+def in_front(robot: Robot) -> bool:
+    """Does it stand on the contaminated side of a line that is near?"""
+    for peer in robot.peers.known.values():
+        if peer.beacon.role in BARRIER:
+            for side in SIDES:
+                other = robot.peer(peer.beacon.beside(side))
+                if other is not None:
+                    link = (other.here - peer.here) * (1 if side == "right" else -1)
+                    if ((robot.here - peer.here) / link).imag > 0:
+                        return True
+    return False

@@ -1,0 +1,234 @@
+"""One robot of a sweep team: all that it knows and is, and what it may do without opening a barrier.
+
+A barrier is a chain of links. A link between two robots holds where both see a place from which the other is
+seen too: the middle between them, or one moved forward around a corner behind the line. How well it holds is
+its margin, in metres: so far may one of the robots go, and the place is still seen by both.
+"""
+
+import cmath
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from swarm_agent.surveillance_graph import SurveillanceGraph
+from swarm_agent.sweep.geometry import clearance_m, shortened
+from swarm_agent.sweep.peers import Eye, Peer, Peers
+from swarm_agent.sweep.radio import BARRIER, NOBODY, SIDES, WALL, Flow, Role, Side, Stage
+from wire.channels import number_of
+from wire.messages import Configuration
+
+BENDS, BEND_M = 7, 0.08  # places tried for a link around a corner, and how far apart they are
+SIGHT_M = 0.06  # free space that a line of sight needs on both sides
+WORN_M = 0.02  # of the range: rounding of what is told, and the rays' distance
+BODY_M = 0.03  # room that robots leave between each other
+TURNS_DEG = (0, 30, -30, 60, -60, 85, -85)
+LEAST_M = 0.004
+
+
+class Robot:
+    """The state of one robot. `beside`: its neighbours; `old`: those it was linked to, until they agree."""
+
+    def __init__(self, configuration: Configuration, parameters: Any) -> None:
+        field = configuration.field
+        self.number, self.parameters = number_of(configuration.node), parameters
+        self.eye = Eye(field.rays, field.detect_m)
+        self.peers = Peers(self.number, self.eye, parameters.dead_ticks)
+        self.graph = SurveillanceGraph(configuration.node)
+        self.step_m = configuration.max_speed_m_s * configuration.tick_s
+        self.body_m = configuration.body_m
+        self.reach_m = field.detect_m - self.step_m / 2 - WORN_M
+        self.tick = self.born = 0
+        self.ranges_m = np.full(field.rays, np.inf)
+        self.hits = np.empty(0, dtype=complex)
+        self.dead: set[int] = set()
+        self.gone: set[int] = set()
+        """Numbers of lines that have dissolved where they stood."""
+        self.events: list[str] = []
+        self.claim = ""
+        self.epoch = self.anchor = self.courier = 0
+        self.moved = 0
+        self.contact = 0j
+        self.become("free")
+
+    def become(self, role: Role, stage: Stage = "") -> None:
+        """Begin something new, beside nobody and on no line."""
+        self.role, self.stage, self.since_role = role, stage, self.tick
+        self.beside: dict[Side, int] = dict.fromkeys(SIDES, NOBODY)
+        self.old: dict[int, Side] = {}
+        self.refused: set[int] = set()
+        self.linked_tick = self.tick
+        self.line, self.since = 0, -1
+        self.pinned = self.halt = self.close = self.ready = False
+        self.obstacle: complex | None = None
+        self.open = True
+        self.order, self.taut, self.pushed, self.angle_rad = 0, 0, self.tick, 0.0
+        self.ahead, self.rank, self.tail = NOBODY, UNRANKED, 1
+        self.crumbs: list[complex] = []
+        self.flows: dict[Side, Flow | None] = dict.fromkeys(SIDES)
+        """What this robot tells on, by the end of the line that it is about."""
+        self.told: dict[Side, Flow | None] = dict.fromkeys(SIDES)
+        """What its neighbours tell."""
+
+    @property
+    def here(self) -> complex:
+        """Its own place by odometry."""
+        return self.peers.here
+
+    def peer(self, number: int) -> Peer | None:
+        """Another robot, if it was heard of late."""
+        return self.peers.known.get(number)
+
+    def neighbour(self, side: Side) -> Peer | None:
+        """Who stands beside it; None for a wall, nobody, and one who is not heard."""
+        return self.peer(self.beside[side])
+
+    def wall_side(self) -> Side:
+        """Of a leader: the side of its wall."""
+        return "left" if self.beside["left"] == WALL else "right"
+
+    @property
+    def on_line(self) -> bool:
+        """Is it a part of a barrier?"""
+        return self.role in BARRIER
+
+    @property
+    def is_main(self) -> bool:
+        """Does it stand on the line that moves?"""
+        main = self.graph.main
+        return main is not None and self.on_line and main.line == self.line
+
+    @property
+    def team(self) -> int:
+        """Robots that are not known to be dead."""
+        return self.parameters.team - len(self.dead)
+
+    @property
+    def place(self) -> int:
+        """Its place on the line, counted from the left leader; 0 where that is not known."""
+        if self.beside["left"] == WALL:
+            return 1
+        return 1 + self.told["left"].count if self.told["left"] else 0
+
+    @property
+    def count(self) -> int:
+        """Robots on its line, as far as it is told."""
+        return 1 + sum(flow.count for flow in self.told.values() if flow)
+
+    @property
+    def is_whole(self) -> bool:
+        """Does it have news from both ends of its line?"""
+        return all(self.beside[side] == WALL or self.told[side] is not None for side in SIDES)
+
+    def last_moved(self) -> int:
+        """The last tick in which any robot of its line moved, as far as it is told."""
+        return max([self.moved, *(flow.moved for flow in self.told.values() if flow)])
+
+    @property
+    def is_quiet(self) -> bool:
+        """Is all it is told of its line from when nobody moved any more?"""
+        news = [flow.since for flow in self.told.values() if flow]
+        return self.is_whole and not self.old and min([self.tick, *news]) > self.last_moved() + 2
+
+    def any_told(self, what: str) -> bool:
+        """Do the neighbours tell of somebody on the line who is, or wants, that?"""
+        return any(getattr(flow, what) for flow in self.told.values() if flow)
+
+    def sees(self, place: complex) -> bool:
+        """Can it hold a wall at that place?"""
+        away = place - self.here
+        ray, rays = self.eye.ray(away), self.eye.rays
+        seen_m = max(self.ranges_m[(ray + one) % rays] for one in (-1, 0, 1))
+        return abs(away) <= self.reach_m - self.step_m and seen_m >= abs(away) - 0.05
+
+    def walls(self, *peers: Peer) -> np.ndarray:
+        """The places of walls that it sees, and that some others see."""
+        return np.concatenate((self.hits, *(peer.hits for peer in peers)))
+
+    def margin_m(self, left: complex, right: complex, walls: np.ndarray) -> float:
+        """How well a link holds; at least a step is as good as any more."""
+        way = right - left
+        if abs(way) < 1e-9:
+            return self.reach_m
+        forward, best = 1j * way / abs(way), -math.inf
+        for bend in range(BENDS):
+            over = (left + right) / 2 + forward * BEND_M * bend
+            margin = self.reach_m - abs(over - left)
+            if margin <= best:
+                break
+            gap = min(clearance_m(walls, left, over), clearance_m(walls, over, right)) - SIGHT_M
+            best = max(best, min(margin, gap))
+            if best >= self.step_m:
+                break
+        return best
+
+    def over(self, left: complex, right: complex, walls: np.ndarray) -> complex | None:
+        """The place around which a link is bent; None where it is straight."""
+        way = right - left
+        if abs(way) < 1e-9:
+            return None
+        forward = 1j * way / abs(way)
+        for bend in range(BENDS):
+            over = (left + right) / 2 + forward * BEND_M * bend
+            gap = min(clearance_m(walls, left, over), clearance_m(walls, over, right))
+            if gap >= SIGHT_M + self.step_m:
+                return over if bend else None
+        return None
+
+    def link_m(self, peer: Peer, side: Side, here: complex | None = None) -> float:
+        """The margin of the link to a robot on one side, from here or from another place."""
+        here = self.here if here is None else here
+        ends = (peer.here, here) if side == "left" else (here, peer.here)
+        return self.margin_m(*ends, self.walls(peer))
+
+    def toward(self, peer: Peer, side: Side) -> complex:
+        """The way to a neighbour, or to where the link to it is bent."""
+        ends = (peer.here, self.here) if side == "left" else (self.here, peer.here)
+        over = self.over(*ends, self.walls(peer))
+        way = (peer.here if over is None else over) - self.here
+        return way if way else 1e-9 + 0j
+
+    def linked(self) -> Iterator[tuple[Peer, Side]]:
+        """Everybody whose link it must not open."""
+        sides = {number: side for side, number in self.beside.items() if number > 0} | self.old
+        for number, side in sides.items():
+            peer = self.peer(number)
+            if peer is not None:
+                yield peer, side
+
+    def may(self, way: complex, holds: bool = True, wall_m: float = 0.13) -> bool:
+        """May it go that way: no link opens (where it `holds` any), and nobody and no wall is in the way?
+
+        Whoever is linked may move at the same time, and may have moved since it was heard. Where a margin is
+        too small for that, it may only grow.
+        """
+        there = self.here + way
+        if holds:
+            for peer, side in self.linked():
+                needed_m = self.step_m * (self.tick - peer.tick)
+                margin_m = self.link_m(peer, side, there)
+                if margin_m < needed_m and margin_m < self.link_m(peer, side) + 1e-6:
+                    return False
+        if len(self.hits):
+            wall_there_m = float(np.abs(self.hits - there).min())
+            if wall_there_m < wall_m and wall_there_m < float(np.abs(self.hits - self.here).min()):
+                return False
+        return all(
+            abs(peer.here - there) >= min(self.body_m + BODY_M, abs(peer.here - self.here))
+            for peer in self.peers.known.values()
+        )
+
+    def best(self, way: complex, holds: bool = True, wall_m: float = 0.13) -> complex:
+        """What it may do that is nearest to a wanted way; nothing where all is barred."""
+        way = shortened(way, self.step_m)
+        for size in (1.0, 0.5):
+            for turn_deg in TURNS_DEG:
+                turn = math.radians(turn_deg)
+                some = way * size * math.cos(turn) * cmath.exp(1j * turn)
+                if abs(some) > LEAST_M and self.may(some, holds, wall_m):
+                    return some
+        return 0j
+
+
+UNRANKED = 9999
