@@ -13,7 +13,7 @@ from swarm_agent.sweep.geometry import nearest, roll, shortened, turn_rad, unit
 from swarm_agent.sweep.links import is_spare
 from swarm_agent.sweep.outlook import Outlook
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import OTHER, SIDES, Side
+from swarm_agent.sweep.radio import GO_BACK, GO_HOME, GO_ON, OTHER, SIDES, Side
 from swarm_agent.sweep.robot import Robot
 
 STRAIGHT_RAD = 1.8 * math.pi  # larger angles are noise around zero
@@ -21,7 +21,8 @@ ALIKE_RAD = 0.01
 FARTHEST_M = 0.45  # from its wall, for who comes near to it again while it goes
 ASIDE_DEG = (0, 20, 40, 60, 80, 100)
 APART_M, TOGETHER_M = 0.34, 0.25
-REST_M, NEARER_M, TRY_TICKS = 0.025, 0.01, 10
+REST_M, NEARER_M, TRY_TICKS = 0.025, 0.08, 12
+RESTED_M = 0.08
 TAUT_TICKS = 12
 
 
@@ -36,7 +37,7 @@ def lead(robot: Robot, outlook: Outlook) -> complex:
     other = robot.told[OTHER[side]]
     if other is None or robot.halt or robot.any_told("halt"):
         return 0j
-    if robot.order < 0:
+    if robot.order in (GO_BACK, GO_HOME):
         return _go_back(robot, side, other.angle_rad)
     if robot.order > 0 or robot.close:
         return 0j
@@ -98,21 +99,28 @@ def _go_back(robot: Robot, side: Side, other_rad: float) -> complex:
 
 
 class Slot:
-    """Where a robot in the middle wants to be, and whether it comes nearer to it."""
+    """Where a robot in the middle wants to be, and whether it comes any nearer.
+
+    Who goes to and fro, or pushes against what bars its way, rests until a neighbour has moved on: a line can
+    decide nothing before all of it stands still.
+    """
 
     def __init__(self) -> None:
-        self._aim, self._least_m, self._nearer = 0j, 0.0, 0
+        self._trail: list[complex] = []
+        self._rested: tuple[complex, complex] | None = None
 
-    def way(self, robot: Robot, aim: complex) -> complex:
-        """The way to go; nothing when it is there, or has not come nearer for a while."""
-        far_m = abs(aim - robot.here)
-        if far_m < REST_M:
+    def way(self, robot: Robot, aim: complex, neighbours: tuple[complex, complex]) -> complex:
+        """The way to go; nothing when it is there, or rests."""
+        if self._rested is not None:
+            moved = max(abs(now - then) for now, then in zip(neighbours, self._rested, strict=True))
+            if moved < RESTED_M:
+                return 0j
+            self._rested, self._trail = None, []
+        if abs(aim - robot.here) < REST_M:
             return 0j
-        if abs(aim - self._aim) > 2 * REST_M:
-            self._aim, self._least_m, self._nearer = aim, far_m, robot.tick
-        elif far_m < self._least_m - NEARER_M:
-            self._least_m, self._nearer = far_m, robot.tick
-        elif robot.tick - self._nearer > TRY_TICKS:
+        self._trail = [*self._trail[-TRY_TICKS:], robot.here]
+        if len(self._trail) > TRY_TICKS and abs(self._trail[0] - robot.here) < NEARER_M:
+            self._rested = neighbours
             return 0j
         return robot.best(aim - robot.here)
 
@@ -125,14 +133,14 @@ def keep(robot: Robot, slot: Slot) -> complex:
         return 0j
     if robot.order > 0 and robot.order == robot.place and robot.role == "centre":
         return _push(robot, left, right)
-    if robot.order == 0 and robot.role == "centre" and not robot.any_told("want") and is_spare(robot):
+    if robot.order in (GO_ON, GO_HOME) and robot.role == "centre" and not robot.any_told("want") and is_spare(robot):
         robot.role, robot.since_role = "leaving", robot.tick
     for pivot in (left, right):
         if pivot.beacon.pinned and abs(pivot.wall - robot.here) > APART_M:
             way = robot.best(pivot.wall - robot.here)
             if way:
                 return way
-    return slot.way(robot, _slot(robot, left, right))
+    return slot.way(robot, _slot(robot, left, right), (left.here, right.here))
 
 
 def _slot(robot: Robot, left: Peer, right: Peer) -> complex:

@@ -18,6 +18,8 @@ Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
 OTHER: dict[Side, Side] = {"left": "right", "right": "left"}
 NOBODY, WALL = 0, -1
+GO_ON, GO_BACK, GO_HOME = 0, -1, -2
+"""Orders of a captain. Any other is the place of the robot that is to push forward."""
 BARRIER = ("centre", "leader", "leaving")
 """The roles of those who are part of a line."""
 

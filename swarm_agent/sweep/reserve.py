@@ -15,11 +15,12 @@ from swarm_agent.sweep.robot import UNRANKED, Robot
 
 ROOM_M = {"leader": 0.4, "reserve": 0.26, "free": 0.26}
 ROOM_ELSE_M = 0.28
+TRAVEL_ROOM_M = 0.24
 FILE_M, LEADER_FILE_M = 0.36, 0.5
 NEAR_M, HEARD_M, FAR_M = 0.6, 1.2, 1.9
 BODY_WIDTH_M = 0.13
 CRUMB_M = 0.04
-TRAVEL_M = 0.2
+TRAVEL_M, TRAVEL_KEEP_M = 0.2, 0.25
 MOST_TAIL = 50
 WAIT_TICKS = 3
 
@@ -49,7 +50,7 @@ class Reserve:
         robot.tail = min(MOST_TAIL, 1 + _followers(robot))
         leader = _choose(robot)
         robot.ahead = leader.number if leader else NOBODY
-        robot.rank = UNRANKED if leader is None else 1 if is_ours(robot, leader) else leader.beacon.rank + 1
+        robot.rank = _rank(robot, leader)
         if leader is None:
             return self._travel(robot)
         if is_ours(robot, leader):
@@ -98,6 +99,14 @@ class Reserve:
         return toward(robot, min(middles, key=lambda place: abs(place - robot.here))) or None
 
 
+def _rank(robot: Robot, leader: Peer | None) -> int:
+    """Its place behind the line; whoever follows nobody, or only others like itself, has none."""
+    if leader is None:
+        return UNRANKED
+    rank = 1 if is_ours(robot, leader) else leader.beacon.rank + 1
+    return rank if rank <= robot.parameters.team else UNRANKED
+
+
 def is_ours(robot: Robot, peer: Peer) -> bool:
     """Does that robot stand on the main line, or is it the one to gather around?"""
     beacon, main = peer.beacon, robot.graph.main
@@ -115,7 +124,7 @@ def travel(robot: Robot, hand: Side) -> complex:
         return toward(robot, robot.contact)
     near = walls[np.abs(walls - robot.contact) <= TRAVEL_M]
     robot.contact = nearest(near if len(near) else walls, robot.here)
-    keep_m = max(TRAVEL_M, min(abs(robot.contact - robot.here) - 0.3 * robot.step_m, 0.45))
+    keep_m = max(TRAVEL_KEEP_M, min(abs(robot.contact - robot.here) - 0.3 * robot.step_m, 0.45))
     way, contact = roll(robot.here, walls, robot.contact, hand, keep_m, robot.step_m)
     for size in (1.0, 0.5):
         if robot.may(way * size, holds=False, wall_m=0.1):
@@ -130,6 +139,8 @@ def _make_room(robot: Robot) -> complex:
     push = 0j
     for peer in robot.peers.known.values():
         away, room_m = robot.here - peer.here, ROOM_M.get(peer.beacon.role, ROOM_ELSE_M)
+        if robot.ahead == NOBODY:
+            room_m = min(room_m, TRAVEL_ROOM_M)
         if abs(away) < room_m:
             push += unit(away) * (room_m + 0.02 - abs(away))
     return toward(robot, robot.here + unit(push) * robot.step_m) if push else 0j
