@@ -11,13 +11,15 @@ import numpy as np
 
 from swarm_agent.sweep.geometry import nearest, roll, shortened, turn_rad, unit
 from swarm_agent.sweep.links import is_spare
-from swarm_agent.sweep.outlook import Outlook
+from swarm_agent.sweep.outlook import JOINED_M, Outlook
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import GO_BACK, GO_HOME, GO_ON, OTHER, SIDES, Side
 from swarm_agent.sweep.robot import Robot
 
 STRAIGHT_RAD = 1.8 * math.pi  # larger angles are noise around zero
 ALIKE_RAD = 0.01
+LOST_M = 0.2  # a leader that finds no wall so near to where it was before does not know its wall any more
+BODIES_M = 0.36
 FARTHEST_M = 0.45  # from its wall, for who comes near to it again while it goes
 ASIDE_DEG = (0, 20, 40, 60, 80, 100)
 APART_M, TOGETHER_M = 0.34, 0.25
@@ -30,7 +32,7 @@ def lead(robot: Robot, outlook: Outlook) -> complex:
     """A leader's way: along its wall, if that shortens the line, or lengthens it less than the other's."""
     side = robot.wall_side()
     touch(robot)
-    way, contact = along_wall(robot, side)
+    way = along_wall(robot, side)
     robot.angle_rad = turn_rad(outlook.ways[OTHER[side]], way, side)
     if robot.angle_rad > STRAIGHT_RAD:
         robot.angle_rad = 0.0
@@ -48,9 +50,7 @@ def lead(robot: Robot, outlook: Outlook) -> complex:
     for aside_deg in ASIDE_DEG:
         some = way * cmath.exp(1j * inward * math.radians(aside_deg))
         for size in (1.0, 0.5, 0.2):
-            if robot.may(some * size, wall_m=0.1):
-                if size == 1.0 and not aside_deg:
-                    robot.contact = contact
+            if _stays_at_wall(robot, some * size) and robot.may(some * size, wall_m=0.1):
                 return some * size
     return 0j
 
@@ -62,21 +62,51 @@ def may_grow(robot: Robot, other_rad: float) -> bool:
 
 
 def touch(robot: Robot) -> None:
-    """Find the place of its wall again that is nearest now."""
-    if len(robot.hits):
-        near = robot.hits[np.abs(robot.hits - robot.contact) <= 0.15]
-        robot.contact = nearest(near if len(near) else robot.hits, robot.here)
+    """Find the place of its wall again that is nearest now.
+
+    What counts is the same wall, without a jump between the rays: another one, however near, would leave a gap
+    between the two that nobody sees.
+    """
+    ends, near = _around(robot)
+    if near is None:
+        return
+    wall = [near]
+    for step in (1, -1):
+        ray = near
+        for _ in range(len(ends)):
+            following = (ray + step) % len(ends)
+            if not abs(ends[following] - ends[ray]) <= JOINED_M:
+                break
+            wall.append(following)
+            ray = following
+    robot.contact = nearest(ends[wall], robot.here)
 
 
-def along_wall(robot: Robot, hand: Side) -> tuple[complex, complex]:
-    """A step along the wall on one hand, round robots that stand there, and the place touched after it."""
+def _around(robot: Robot) -> tuple[np.ndarray, int | None]:
+    """Where all rays end, NaN where at no wall, and which of them ends at what was its wall before."""
+    seen = np.isfinite(robot.ranges_m)
+    ends = np.where(seen, robot.here + np.where(seen, robot.ranges_m, 0.0) * robot.eye.units, np.nan)
+    gaps = np.where(seen, np.abs(ends - robot.contact), np.inf)
+    near = int(gaps.argmin())
+    return ends, near if gaps[near] <= LOST_M else None
+
+
+def along_wall(robot: Robot, hand: Side) -> complex:
+    """A step along the wall on one hand, around robots that stand there."""
     others = [
         peer.here
         for peer in robot.peers.known.values()
-        if peer.beacon.follows_nobody and abs(peer.here - robot.here) < 0.36
+        if peer.beacon.follows_nobody and abs(peer.here - robot.here) < BODIES_M
     ]
     walls = np.concatenate((robot.hits, np.array(others, dtype=complex)))
-    return roll(robot.here, walls, robot.contact, hand, _keep_m(robot), robot.step_m)
+    return roll(robot.here, walls, robot.contact, hand, _keep_m(robot), robot.step_m)[0]
+
+
+def _stays_at_wall(robot: Robot, way: complex) -> bool:
+    """Is it still beside its wall after that way?"""
+    return (
+        abs(robot.here + way - robot.contact) <= max(_keep_m(robot), abs(robot.here - robot.contact)) + LOST_M
+    )
 
 
 def _keep_m(robot: Robot) -> float:
@@ -89,11 +119,9 @@ def _go_back(robot: Robot, side: Side, other_rad: float) -> complex:
     """Back along the wall, if that shortens the line, and not much less than the other end's way would."""
     if robot.angle_rad <= math.pi / 2 or robot.angle_rad < other_rad - 0.3:
         return 0j
-    way, contact = roll(robot.here, robot.hits, robot.contact, OTHER[side], _keep_m(robot), robot.step_m)
+    way = along_wall(robot, OTHER[side])
     for size in (1.0, 0.5):
-        if robot.may(way * size, wall_m=0.1):
-            if size == 1.0:
-                robot.contact = contact
+        if _stays_at_wall(robot, way * size) and robot.may(way * size, wall_m=0.1):
             return way * size
     return 0j
 
@@ -133,7 +161,12 @@ def keep(robot: Robot, slot: Slot) -> complex:
         return 0j
     if robot.order > 0 and robot.order == robot.place and robot.role == "centre":
         return _push(robot, left, right)
-    if robot.order in (GO_ON, GO_HOME) and robot.role == "centre" and not robot.any_told("want") and is_spare(robot):
+    if (
+        robot.order in (GO_ON, GO_HOME)
+        and robot.role == "centre"
+        and not robot.any_told("want")
+        and is_spare(robot)
+    ):
         robot.role, robot.since_role = "leaving", robot.tick
     for pivot in (left, right):
         if pivot.beacon.pinned and abs(pivot.wall - robot.here) > APART_M:
