@@ -27,7 +27,7 @@ def in_the_middle(left_m: float, right_m: float, here_m: float) -> Robot:
 
 
 def test_slots_are_packed_to_the_left_and_the_last_robot_leaves():
-    """Source: specs of mission clear, 3.2 item 2: of length 2.5, slots are at 0.4 and 0.8, the next leaves."""
+    """Source: specs of mission clear, 3.2 item 2: of length 2.5 slots at 0.4 and 0.8, the next leaves."""
     assert slot_m(0.0, 2.0, 0.7) / 2.5 == pytest.approx(0.4)
     assert slot_m(1.0, 2.5, 1.7) / 2.5 == pytest.approx(0.8)
     assert not links.is_spare(in_the_middle(0.0, 2.0, 1.0))
