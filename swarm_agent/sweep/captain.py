@@ -77,7 +77,7 @@ class Captain:
         coming = robot.team - robot.count - spare - others
         wait = self._settled(robot)
         if spare or told.pinned:
-            wait += ORDER_TICKS // 2
+            wait += 2 * ORDER_TICKS
         if coming > 0:
             wait = robot.parameters.patience_ticks
         return robot.tick - max(robot.last_moved(), self._main_tick) > wait

@@ -46,7 +46,12 @@ def lead(robot: Robot, outlook: Outlook) -> complex:
     shortens = robot.angle_rad < math.pi / 2 - 2 * ALIKE_RAD
     if not shortens and not may_grow(robot, other.angle_rad):
         return 0j
-    inward = -1 if side == "left" else 1
+    return _go(robot, way, side)
+
+
+def _go(robot: Robot, way: complex, hand: Side) -> complex:
+    """That way along the wall on one hand, or as near to it, away from the wall, as links and others allow."""
+    inward = -1 if hand == "left" else 1
     for aside_deg in ASIDE_DEG:
         some = way * cmath.exp(1j * inward * math.radians(aside_deg))
         for size in (1.0, 0.5, 0.2):
@@ -119,11 +124,7 @@ def _go_back(robot: Robot, side: Side, other_rad: float) -> complex:
     """Back along the wall, if that shortens the line, and not much less than the other end's way would."""
     if robot.angle_rad <= math.pi / 2 or robot.angle_rad < other_rad - 0.3:
         return 0j
-    way = along_wall(robot, OTHER[side])
-    for size in (1.0, 0.5):
-        if _stays_at_wall(robot, way * size) and robot.may(way * size, wall_m=0.1):
-            return way * size
-    return 0j
+    return _go(robot, along_wall(robot, OTHER[side]), OTHER[side])
 
 
 class Slot:

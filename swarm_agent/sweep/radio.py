@@ -27,7 +27,7 @@ Number = Annotated[int, msgspec.Meta(ge=-1, le=9999)]
 MOST = 10_000
 Count = Annotated[int, msgspec.Meta(ge=0, le=MOST)]
 Tick = Annotated[int, msgspec.Meta(ge=-1, le=2**53)]
-Order = Annotated[int, msgspec.Meta(ge=-1, le=10_000)]
+Order = Annotated[int, msgspec.Meta(ge=-2, le=10_000)]
 Angle = Annotated[float, msgspec.Meta(ge=-10, le=10)]
 Way = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
 """Numbers that are finite: bounds refuse what is no number, too."""
