@@ -58,7 +58,7 @@ class Robot:
         self.beside: dict[Side, int] = dict.fromkeys(SIDES, NOBODY)
         self.old: dict[int, Side] = {}
         self.refused: set[int] = set()
-        self.linked_tick = self.tick
+        self.linked_tick = self.held_tick = self.tick
         self.line, self.since = 0, -1
         self.pinned = self.halt = self.close = self.ready = False
         self.obstacle: complex | None = None
