@@ -50,7 +50,7 @@ def _hold(edge: Edge) -> Colour:
 
 
 def _places(graph: Delta) -> dict[int, Point]:
-    """Where vertices stand on the canvas: steps from the first vertex to the right, branches below another."""
+    """Where vertices stand on the canvas: steps from the first one to the right, branches below another."""
     net = networkx.Graph()
     net.add_nodes_from(vertex.number for vertex in graph.vertices)
     net.add_edges_from((edge.low, edge.high) for edge in graph.edges)
