@@ -187,6 +187,14 @@ def test_neighbours_that_nobody_knows_and_walls_that_nobody_sees_are_no_line() -
     assert scene.snapshot().strokes["lines"] is None
 
 
+def test_a_robot_that_comes_in_is_linked_to_by_those_who_hold_it() -> None:
+    scene = Scene(box_scenario())
+    line = {"r2": Standing("leader", 1, True, "wall", "r3"), "r3": Standing("joining", 1, False, "r2", "r4")}
+    scene.take(lone(*((node, codec.encode(one)) for node, one in line.items())))
+    lines = scene.snapshot().strokes["lines"]
+    assert (len(lines.lines_m), lines.colours) == (1, (MAIN,))
+
+
 def test_curves_are_the_area_the_losses_and_the_robots_on_lines(rows: dict[str, list]) -> None:
     for time_s, [area] in rows["/plots/contaminated Scalars:scalars"]:
         assert area == pytest.approx(contaminated(int(time_s * TICKS)).area)

@@ -32,6 +32,8 @@ from wire.clearing import Standing
 from wire.messages import Facts
 from wire.scenario import Scenario, Sensors
 
+HELD = (*BARRIER, "joining")
+"""Whom a robot on a line links to; one that joins it is not on it before both of its neighbours do."""
 AROUND_M = 0.5
 LEVELS = 250
 """How many strokes fill the plan from bottom to top."""
@@ -205,7 +207,7 @@ class ClearMission(Mission):
             colour = MAIN if one.main else STANDING
             for beside in (one.left, one.right):
                 other = self._row_of.get(beside)
-                if other is not None and beside in standing and standing[beside].role in BARRIER:
+                if other is not None and beside in standing and standing[beside].role in HELD:
                     links[frozenset((row, other))] = colour
             if 0 < math.hypot(*one.wall_m) < 2 * self._detect_m:
                 walls.append((np.array([places_m[row, :2], seen_from(places_m[row], one.wall_m)]), colour))
