@@ -78,4 +78,4 @@ def spare(robot: Robot) -> int:
         for peer in robot.peers.known.values()
         if peer.beacon.role == "reserve" and peer.beacon.ahead == robot.number
     ]
-    return sum(tails)
+    return min(sum(tails), MOST)
