@@ -20,6 +20,7 @@ FILE_M, LEADER_FILE_M = 0.36, 0.5
 NEAR_M, HEARD_M, FAR_M = 0.6, 1.2, 1.9
 BODY_WIDTH_M = 0.13
 CRUMB_M = 0.04
+DETOUR_M = 0.2  # who stood far behind would bend the line around walls that it has passed
 TRAVEL_M, TRAVEL_KEEP_M = 0.2, 0.25
 MOST_TAIL = 50
 WAIT_TICKS = 3
@@ -90,7 +91,11 @@ class Reserve:
             if other is None or not _is_link(beside, other, side):
                 continue
             left, right = (beside, other) if side == "right" else (other, beside)
-            if min(robot.link_m(left, "left"), robot.link_m(right, "right")) >= BARELY_M:
+            detour_m = (
+                abs(left.here - robot.here) + abs(right.here - robot.here) - abs(left.here - right.here)
+            )
+            holds = min(robot.link_m(left, "left"), robot.link_m(right, "right")) >= BARELY_M
+            if holds and detour_m <= DETOUR_M:
                 ask_in(robot, left, right)
                 return 0j
             middles.append((left.here + right.here) / 2)
