@@ -16,7 +16,7 @@ from swarm_agent.sweep.robot import Robot
 from tests.clear_builders import places_m, sweeping
 from wire.channels import number_of
 from wire.fields import Point
-from wire.messages import Facts
+from wire.messages import Facts, Senses
 from wire.scenario import Poses, Scenario
 
 MET_TICK = 4
@@ -32,6 +32,7 @@ class Play:
         self.tick = -1
         self.facts: list[Facts] = []
         self.minds: dict[int, SweepLine] = {}
+        self.senses: dict[int, Senses] = {}
         self.said: list[tuple[int, int, str]] = []
         self.seen: dict[str, int] = {}
         """When something was first the case."""
@@ -84,6 +85,7 @@ def play(given: Scenario, last_tick: int, watch: Callable[[Play], bool | None]) 
             for node, mind in swarm._minds.items()
             if isinstance(mind._behaviour, SweepLine)
         }
+        course.senses = {number_of(grant.node): grant.senses for grant in commit.grants}
         for number, robot in course.robots.items():
             course.said += [(commit.tick, number, event) for event in robot.events]
         swarm.finishing = bool(watch(course))
