@@ -55,7 +55,7 @@ def test_nothing_is_ordered_while_somebody_moves():
 
 
 def test_a_line_of_three_that_cannot_go_on_searches_first():
-    """Source: specs of mission clear, 3.10: RETREAT, then PROBE one place after the other, then SEARCH_FAIL."""
+    """Source: specs of mission clear, 3.10: RETREAT, PROBE place after place, SEARCH_FAIL."""
     robot, captain = a_captain(team=3, count=3), Captain()
     orders: list[int] = []
     for _ in range(AT_LAST_TICKS):

@@ -68,7 +68,7 @@ def test_an_obstacle_ahead_makes_a_pivot_of_the_robot_before_it():
 
 
 def test_a_pivot_splits_the_line_when_its_neighbour_sees_the_wall_too():
-    """Source: specs of mission clear, 3.5: PIVOT, split committed; before one line moves there are two leaders.
+    """Source: specs of mission clear, 3.5: PIVOT, split committed: two leaders, and only then moves.
 
     3.9: the left line has robots 1 to p, the right one the others; the main line is the one with more robots.
     """
@@ -93,7 +93,7 @@ def test_a_standing_line_is_activated_when_the_main_line_has_dissolved():
 
 
 def test_nobody_claims_that_all_is_done_while_a_line_stands():
-    """Source: specs of mission clear, 3.10: DONE when no stationary line is left and the last line dissolved."""
+    """Source: specs of mission clear, 3.10: DONE when no line is left and the last one dissolved."""
     course = split()
     first, second = course.told("dissolve")
     assert course.seen["claimed"] >= second > first
