@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from deploy.metrics.clear import Instant
 from deploy.studies.boxes import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILLION, save, title_above
-from deploy.studies.pursuit.literal import Widening, longest_line_m
+from deploy.studies.pursuit.literal import Letter, longest_line_m
 from deploy.studies.pursuit.plan import Ground, places, polygon
 from deploy.studies.pursuit.runs import Runs, curve, median
 
@@ -27,9 +27,7 @@ PANELS = {
 }
 
 
-def draw(
-    runs: Runs, main: Ground, letter: Sequence[Widening], follow_m: float, folder: Path
-) -> Iterator[Path]:
+def draw(runs: Runs, main: Ground, letter: Letter, folder: Path) -> Iterator[Path]:
     """Draw every figure; yields the paths."""
     with pyplot.rc_context(STYLE):
         yield _success(runs, folder / "success.png")
@@ -39,7 +37,7 @@ def draw(
             yield _plans(runs, folder / "plans.png")
         if runs.best(main):
             yield _areas(runs, main, folder)
-        yield _letter(letter, follow_m, folder / "letter.png")
+        yield _letter(letter, folder / "letter.png")
 
 
 def kinds(runs: Runs) -> dict[str, list[Ground]]:
@@ -115,7 +113,7 @@ def _took(runs: Runs, path: Path) -> Path:
             axes.plot([one + aside for one in teams], middle, "-", color=colour, label=kind)
         axes.set_title(heading)
         axes.set_ylim(bottom=0)
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.set_xticks(sorted({run.trial.robots for run in runs.all}))
     figure.legend(
         *panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False
     )
@@ -162,16 +160,18 @@ def _areas(runs: Runs, main: Ground, folder: Path) -> Path:
     return save(figure, folder / "areas.png")
 
 
-def _letter(found: Sequence[Widening], follow_m: float, path: Path) -> Path:
+def _letter(letter: Letter, path: Path) -> Path:
     """Contaminated area against the gap; where ours stops, and where the letter does."""
     figure, axes = pyplot.subplots(figsize=(8, 4.5))
-    for colour, one in zip(COLOURS, found, strict=False):
+    for colour, one in zip(COLOURS, letter.teams, strict=False):
         axes.plot(one.gap_m, one.contaminated_m2, color=colour, label=f"{one.robots} robots")
         for literal, marker in ((False, "o"), (True, "X")):
-            stop = one.at(longest_line_m(one.robots, follow_m, literal))
+            stop = one.at(longest_line_m(one.robots, letter.follow_m, literal))
             axes.plot(one.gap_m[stop], one.contaminated_m2[stop], marker, color=colour, ms=9, mec="white")
     axes.plot([], [], "o", color=GREY, label="our reading stops here")
     axes.plot([], [], "X", color=GREY, label="the letter of Algorithm 1 stops here")
+    axes.axvline(2 * letter.detect_m, color=GREY, ls="--", lw=1)
+    axes.text(2 * letter.detect_m, 0.02, " 2 r_detect", color=GREY, transform=axes.get_xaxis_transform())
     axes.set_xlabel("between neighbours, m")
     axes.set_ylabel("contaminated, m2")
     axes.set_ylim(bottom=0)

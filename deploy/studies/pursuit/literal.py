@@ -1,9 +1,9 @@
 """Algorithm 1 of the paper read to the letter: how far apart robots then stand, and what the referee says.
 
 As printed, a line goes on until its length exceeds r_all r_follow. But so many robots have one gap less than
-they are, so by then they stand r_all / (r_all - 1) r_follow apart: 2 r_follow with two robots, 1.5 with three.
-Where that is more than 2 r_detect, whoever is ahead passes between them, however well they stand. Our reading
-is (r_all - 1) r_follow.
+they are, so by then they stand r_all / (r_all - 1) r_follow apart: twice r_follow with two robots, 1.5 times
+with three. Where that is more than 2 r_detect, whoever is ahead passes between them, however well they stand.
+Our reading is (r_all - 1) r_follow.
 
 The trial of it is a team abreast in a room that widens evenly, the most favourable there is: equal gaps, and
 no turn. It goes on until the length of its line is what the letter allows.
@@ -18,7 +18,8 @@ from world_server.referee import Referee
 
 NARROW_M, WIDER_PER_M = 0.8, 0.5  # the room's width at its end, and how much wider it gets
 OFF_WALLS_M = 0.25
-BEGINS_M, BEYOND_M = 0.1, 0.5
+BEGINS_M, BEYOND_M = 0.1, 2.5
+TEAMS = (2, 3, 4, 5)
 
 
 def longest_line_m(robots: int, follow_m: float, literal: bool) -> float:
@@ -57,6 +58,19 @@ class Widening(NamedTuple):
         return int(np.flatnonzero(self.length_m <= length_m + 1e-9)[-1])
 
 
+class Letter(NamedTuple):
+    """Teams of several sizes in such rooms, with the distances that the algorithm goes by."""
+
+    follow_m: float
+    detect_m: float
+    teams: tuple[Widening, ...]
+
+
+def read_literally(follow_m: float, detect_m: float) -> Letter:
+    """Every team until its line is as long as the letter allows."""
+    return Letter(follow_m, detect_m, tuple(widening(robots, follow_m, detect_m) for robots in TEAMS))
+
+
 def widening(robots: int, follow_m: float, detect_m: float, step_m: float = 0.05) -> Widening:
     """Drive a team of two or more through the room, under the exact referee, in steps of `step_m`."""
     longest_m = longest_line_m(robots, follow_m, literal=True)
@@ -77,7 +91,7 @@ def widening(robots: int, follow_m: float, detect_m: float, step_m: float = 0.05
 
 def room(longest_m: float) -> shapely.Polygon:
     """A room that widens along x, some way beyond where a line across it is so long."""
-    end_m = _x_m(longest_m) + BEYOND_M + 2.0
+    end_m = _x_m(longest_m) + BEYOND_M
     half_m = _width_m(np.array([0.0, end_m])) / 2
     return shapely.Polygon([(0, -half_m[0]), (end_m, -half_m[1]), (end_m, half_m[1]), (0, half_m[0])])
 

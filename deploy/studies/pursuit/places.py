@@ -15,10 +15,10 @@ def places_around(plan: shapely.Polygon, count: int, off_walls_m: float = OFF_WA
 
     The first is the one nearest to the lower left corner of the plan's bounds; the others follow
     anticlockwise. Where the way along the wall falls into several rings, because the plan is too narrow in
-    between, they are gone along one after the other. Raises PlanError where the plan is too narrow altogether.
+    between, they are gone along one after the other. Raises PlanError where all of the plan is too narrow.
     """
-    rings = [_begun_at_lower_left(part, plan) for part in shapely.get_parts(plan.buffer(-off_walls_m))]
-    rings = sorted((ring for ring in rings if ring.length > 0), key=_lower_left)
+    parts = [part for part in shapely.get_parts(plan.buffer(-off_walls_m)) if part.area > 0]
+    rings = sorted((_begun_at_lower_left(part, plan) for part in parts), key=_lower_left)
     if not rings:
         raise PlanError(f"nowhere are robots {off_walls_m:g} m from the walls")
     ends_m = list(accumulate(ring.length for ring in rings))

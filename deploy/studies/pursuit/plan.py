@@ -20,6 +20,7 @@ from deploy.studies.trial import contains
 from wire.fields import Point, RandomPlan
 from wire.scenario import Scenario, Sensors
 from world_server.deployment import plan_of
+from world_server.floorplan import PlanError
 from world_server.random_plans import random_plan
 
 MAIN, RANDOM = "clear-cave", "clear-random"
@@ -69,18 +70,24 @@ class Ground(NamedTuple):
 
 @cache
 def polygon(ground: Ground) -> shapely.Polygon:
-    """The free space. Raises ScenarioError, PlanError."""
+    """The free space. Raises ScenarioError."""
     scenario = load_scenario(SHIPPED / f"{ground.base}.toml")
     if (drawn := ground.random) is None:
         return plan_of(scenario.field)
     detect_m, rooms = (scenario.sensors or Sensors()).detect_m, (drawn.columns, drawn.rows)
-    return random_plan(drawn.seed, rooms, drawn.islands, obstacle_m(scenario), detect_m)
+    try:
+        return random_plan(drawn.seed, rooms, drawn.islands, obstacle_m(scenario), detect_m)
+    except PlanError as error:
+        raise ScenarioError(f"{ground.name}: {error}") from None
 
 
 @cache
 def places(ground: Ground) -> tuple[Point, ...]:
-    """Where teams begin."""
-    return tuple(places_around(polygon(ground), ground.places))
+    """Where teams begin. Raises ScenarioError."""
+    try:
+        return tuple(places_around(polygon(ground), ground.places))
+    except PlanError as error:
+        raise ScenarioError(f"{ground.name}: {error}") from None
 
 
 class Trial(NamedTuple):
@@ -139,7 +146,7 @@ class Study(NamedTuple):
         return found
 
     def larger_teams(self, fewest: Fewest) -> list[Trial]:
-        """The runs beyond: more robots than are tried everywhere, where few less are the fewest that clear."""
+        """The runs with more robots than are tried everywhere, where few less are the fewest that clear."""
         return self._chosen(
             Trial(ground, place, robots, seed)
             for ground in self.grounds

@@ -1,21 +1,21 @@
 """The report of the study, in Markdown: statements, the main plan, random plans, referees, the letter."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from datetime import datetime
 
 from deploy.machine import describe
 from deploy.markdown import table
 from deploy.studies.pursuit import sections
 from deploy.studies.pursuit.figures import kinds
-from deploy.studies.pursuit.literal import Widening
+from deploy.studies.pursuit.literal import Letter
 from deploy.studies.pursuit.plan import Ground, polygon
 from deploy.studies.pursuit.runs import Runs
 from deploy.studies.verdict import Verdict, told
 from wire.scenario import Scenario
 
-QUICK = """> **THIS IS A QUICK RUN**, short, of few places and teams. It shows that everything works. Its numbers
-> and verdicts say nothing about the paper; run it without `--quick` for those."""
+QUICK = """> **THIS IS A QUICK RUN**, short, of few places and teams. It shows that everything works. Its
+> numbers and verdicts say nothing about the paper; run it without `--quick` for those."""
 
 ORIGIN = """What Kolling and Carpin (2010) ran, run again with Picket on other plans: theirs is not public.
 `{main}` is {area_m2:.0f} m2 in {width_m:.1f} x {height_m:.1f} m. Robots see {detect_m:g} m far, stand at most
@@ -23,6 +23,9 @@ ORIGIN = """What Kolling and Carpin (2010) ran, run again with Picket on other p
 position. They begin close together at one of {places} places, equally far apart along the wall and 0.4 m off
 it, the first at the lower left, the others anticlockwise. Runs end with a claim or after {main_s:.0f} s
 ({main}) and {random_s} (random plans). Of several runs the median stands, and [smallest..largest]."""
+
+MIXED = """**These runs are of several commits, so perhaps of several versions of the behaviour: begin afresh
+in another folder (`--out`) to compare like with like.**"""
 
 RANDOM = """Rooms in a grid, joined by corridors to a tree, and by one more for each island. Every team size
 from every place; `-`: none of them clears."""
@@ -40,18 +43,18 @@ def write(
     main: Ground,
     scenario: Scenario,
     judged: list[Verdict],
-    letter: Sequence[Widening],
+    letter: Letter,
     quick: bool,
     figures: Iterable[str],
 ) -> str:
     """The whole report; `scenario` is one of the main plan's."""
-    follow_m, detect_m = scenario.robots.parameters["follow_m"], scenario.sensors.detect_m
     shown = {name.removesuffix(".png"): f"![{name.removesuffix('.png')}]({name})" for name in figures}
     parts = [
         "# Pursuit-evasion without maps, run again",
         QUICK if quick else "",
         f"{datetime.now():%Y-%m-%d %H:%M}",
         table(("", ""), [*describe().items(), ("runs by commit", _commits(runs))]),
+        MIXED if len({run.summary.get("commit") for run in runs.all}) > 1 else "",
         _origin(runs, main, scenario),
         "## What must never be",
         *sections.checks(runs),
@@ -64,7 +67,7 @@ def write(
         *sections.referees(runs),
         shown.get("areas", ""),
         "## Algorithm 1 to the letter",
-        *sections.letter(letter, follow_m, detect_m),
+        *sections.letter(letter),
         shown.get("letter", ""),
         "## How this was run",
         HOW.format(runs=len(runs.all), hours=sum(run.summary["wall_s"] for run in runs.all) / 3600),

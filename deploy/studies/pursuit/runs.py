@@ -29,12 +29,12 @@ class Between(NamedTuple):
 
 
 class Run(NamedTuple):
-    """One finished run. `deaths`: how many robots died by themselves, which none should."""
+    """One finished run. `deaths`: the last words of robots that died by themselves, which none should."""
 
     trial: Trial
     summary: dict[str, Any]
     between: Between
-    deaths: int = 0
+    deaths: tuple[str, ...] = ()
 
     @property
     def metrics(self) -> dict[str, Any]:
@@ -89,7 +89,7 @@ class Run(NamedTuple):
             **{f"raster_{name}": value for name, value in self.between._asdict().items()},
             **{name: self.summary[name] for name in ("sim_s", "wall_s", "run_hash")},
             "commit": self.summary.get("commit"),
-            "unplanned_deaths": self.deaths,
+            "unplanned_deaths": len(self.deaths),
         }
 
 
@@ -143,9 +143,19 @@ class Runs:
 def collect(trials: Iterable[Trial], summaries: Mapping[str, dict[str, Any]], folder: Path) -> Runs:
     """Read what the runs left behind."""
     return Runs(
-        Run(one, summaries[one.name], between(curve(folder, one)), len(deaths(folder / one.name)))
+        Run(
+            one,
+            summaries[one.name],
+            between(curve(folder, one)),
+            tuple(map(_last_words, deaths(folder / one.name))),
+        )
         for one in trials
     )
+
+
+def _last_words(death: dict[str, Any]) -> str:
+    lines = death["data"].get("last_lines", "").strip().splitlines()
+    return f"{death['text']} at {death['sim_s']:.0f} s: {lines[-1] if lines else 'no last words'}"
 
 
 def curve(folder: Path, trial: Trial) -> np.ndarray:

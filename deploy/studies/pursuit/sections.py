@@ -1,10 +1,11 @@
 """Sections of the report: teams from every place, all runs by team, the referees, the letter, checks."""
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
 
 from deploy.markdown import spread, table
 from deploy.metrics.clear import CAUSES
-from deploy.studies.pursuit.literal import Widening, leaks, longest_line_m
+from deploy.studies.pursuit.literal import Letter, leaks, longest_line_m
 from deploy.studies.pursuit.plan import Ground, places, polygon
 from deploy.studies.pursuit.runs import Run, Runs
 
@@ -81,7 +82,7 @@ def losses(runs: Runs, grounds: Iterable[Ground]) -> str:
     rows = []
     for robots in sorted({run.trial.robots for run in runs.all if run.trial.ground in grounds}):
         of_team = runs.of(grounds, robots)
-        lost = (spread([run.metrics["recontaminated_m2"][cause] for run in of_team]) for cause in CAUSES)
+        lost = (spread([run.metrics["recontaminated_m2"][cause] for run in of_team], 2) for cause in CAUSES)
         breaches = sum(run.metrics["breaches"] for run in of_team)
         rows.append((str(robots), *lost, f"**{breaches}**" if breaches else "0"))
     return table(("robots", *(f"{cause}, m2" for cause in CAUSES), "breaches, all runs"), rows)
@@ -101,12 +102,14 @@ def referees(runs: Runs) -> Iterator[str]:
     yield f"Whether all is clear in the end, they were asked in {len(runs.all)} runs. {told}"
 
 
-def letter(found: Iterable[Widening], follow_m: float, detect_m: float) -> Iterator[str]:
+def letter(found: Letter) -> Iterator[str]:
     """Algorithm 1 as printed, beside our reading."""
     yield LETTER
     rows = []
-    for one in found:
-        ours, printed = (one.at(longest_line_m(one.robots, follow_m, literal)) for literal in (False, True))
+    for one in found.teams:
+        ours, printed = (
+            one.at(longest_line_m(one.robots, found.follow_m, literal)) for literal in (False, True)
+        )
         opened = one.lost_m2[: printed + 1].nonzero()[0]
         rows.append(
             (
@@ -118,7 +121,7 @@ def letter(found: Iterable[Widening], follow_m: float, detect_m: float) -> Itera
                 f"{one.contaminated_m2[printed]:.2f}",
                 f"**{one.lost_m2[: printed + 1].sum():.2f}**" if len(opened) else "0.00",
                 f"{one.gap_m[opened[0]]:.2f}" if len(opened) else "holds",
-                "leaks" if leaks(one.robots, follow_m, detect_m, literal=True) else "holds",
+                "leaks" if leaks(one.robots, found.follow_m, found.detect_m, literal=True) else "holds",
             )
         )
     ours = ("gap, m, ours", "contaminated, m2", "lost, m2")
@@ -134,6 +137,8 @@ def checks(runs: Runs) -> Iterator[str]:
     yield f"**Runs with a breach: {len(breached)} of {len(runs.all)}.**"
     died = [run.trial.name for run in runs.all if run.deaths]
     yield f"**Runs in which a robot died by an error of its own: {len(died)} of {len(runs.all)}.**"
+    words = Counter(words for run in runs.all for words in run.deaths)
+    yield from (f"- {words} ({count} times)" for words, count in words.most_common(10))
     silent = [run.trial.name for run in runs.all if run.metrics["cleared"] and not run.clears]
     yield f"Clear in the end, but not claimed, or claimed too early: {len(silent)}."
     for words, names in (("False", false), ("Breached", breached), ("Died", died), ("Unclaimed", silent)):
@@ -163,4 +168,4 @@ def _outcome(run: Run) -> str:
     else:
         said = f"{found['claim']}, {'all clear' if found['cleared'] else left}"
     breaches = f", **breaches: {found['breaches']}**" if found["breaches"] else ""
-    return said + breaches + (f", **died: {run.deaths}**" if run.deaths else "")
+    return said + breaches + (f", **died: {len(run.deaths)}**" if run.deaths else "")

@@ -7,12 +7,9 @@ from deploy.campaign import INTERRUPTED, Campaign, make_folder
 from deploy.studies.pursuit import plan, report
 from deploy.studies.pursuit.claims import verdicts
 from deploy.studies.pursuit.figures import draw
-from deploy.studies.pursuit.literal import widening
+from deploy.studies.pursuit.literal import read_literally
 from deploy.studies.pursuit.runs import Runs, collect, save
 from deploy.studies.verdict import show
-
-STRETCHED = (2, 3, 4, 5)
-"""Robots abreast, to show how far apart the letter of Algorithm 1 lets them stand."""
 
 
 def reproduce(given: argparse.Namespace) -> int:
@@ -29,10 +26,9 @@ def reproduce(given: argparse.Namespace) -> int:
     save(runs, folder / "runs.parquet")
     main = study.grounds[0]
     scenario = runs.all[0].trial.scenario()
-    follow_m, detect_m = scenario.robots.parameters["follow_m"], scenario.sensors.detect_m
-    letter = [widening(robots, follow_m, detect_m) for robots in STRETCHED]
+    letter = read_literally(scenario.robots.parameters["follow_m"], scenario.sensors.detect_m)
     judged = verdicts(runs, main)
-    figures = [path.name for path in draw(runs, main, letter, follow_m, folder)]
+    figures = [path.name for path in draw(runs, main, letter, folder)]
     text = report.write(runs, main, scenario, judged, letter, given.quick, figures)
     (folder / "report.md").write_text(text, "utf-8")
     show(judged, given.quick)
