@@ -195,7 +195,11 @@ def test_a_report_of_made_up_runs_renders_and_has_a_row_for_each(tmp_path):
         np.savez(tmp_path / one.trial.name / "clear.npz", curve=curve)
     figures = [path.name for path in draw(found, main, letter, tmp_path)]
     judged = verdicts(found, main)
-    said = report.write(found, main, found.all[0].trial.scenario(), judged, letter, False, figures)
+    scenario = found.all[0].trial.scenario()
+    said = report.write(found, main, scenario, judged, letter, False, figures)
+    other = found.all[0]._replace(summary=found.all[0].summary | {"commit": "abd"})
+    mixed = report.write(Runs([other, *found.all[1:]]), main, scenario, judged, letter, True, [])
+    assert "of several commits" in mixed and "QUICK" in mixed and "of several commits" not in said
     assert "QUICK" not in said and "It takes 6 from the best place and 7 from the worst." in said
     assert "| 6 | 1/2 (50%) | 1 | 0 | 600 | 2 | 1 | 0 | 5 [5..5] |" in said
     assert "### 2 x 2 rooms, an island: 1 plans" in said
@@ -256,6 +260,7 @@ def test_a_whole_study_and_its_gaps_filled_in(tiny, capfd):
         (["--trials", "0"], "--trials: must be a whole number >= 1, got '0'"),
         (["--plans", "-1"], "--plans: must be a whole number >= 0, got '-1'"),
         (["--most", "many"], "--most: must be a whole number >= 1, got 'many'"),
+        (["--most", "9"], "--most 9: must be at least 10, the smallest team of the study"),
         (["--only", "no-such"], "--only no-such: no run has this in its name; one is called cave-start1-n10"),
         (["--out", "{file}"], "cannot make a folder there: Not a directory"),
     ],

@@ -160,8 +160,12 @@ class Study(NamedTuple):
 
 
 def study(extent: Extent, most: int | None = None, plans: int | None = None) -> Study:
-    """The main plan with teams of at most `most`, and so many random ones."""
-    most = max(extent.fewest, extent.most if most is None else most)
+    """The main plan with teams of at most `most`, and so many random ones. Raises ScenarioError."""
+    most = extent.most if most is None else most
+    if most < extent.fewest:
+        raise ScenarioError(
+            f"--most {most}: must be at least {extent.fewest}, the smallest team of the study"
+        )
     teams = tuple(range(extent.fewest, most + 1))
     main = Ground(MAIN.removeprefix("clear-"), MAIN, extent.main_s, teams, extent.beyond, extent.places)
     numbers = range(extent.plans if plans is None else plans)
