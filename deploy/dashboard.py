@@ -36,9 +36,10 @@ def record(folder: Path, every_s: float | None = None) -> Path:
     events = read_events(folder / "events.jsonl")
     for event in events:
         scene.note(event)
-    period = _period_ticks(scene.scenario, events, journal, every_s)
+    last_tick = _last_tick(events, journal)
+    period = _period_ticks(scene.scenario, last_tick, every_s)
     part = folder / "recording.rrd.part"
-    sink = FileSink(part, folder.name, scene)
+    sink = FileSink(part, folder.name, scene, last_tick * scene.scenario.tick_s)
     due, shown_s = 0, -1.0
     for commit in commits(journal):
         scene.take(commit.facts)
@@ -51,11 +52,14 @@ def record(folder: Path, every_s: float | None = None) -> Path:
     return part.replace(folder / "recording.rrd")
 
 
-def _period_ticks(scenario: Scenario, events: list[Event], journal: Path, every_s: float | None) -> int:
+def _last_tick(events: list[Event], journal: Path) -> int:
+    ends = [event.tick for event in events if event.kind == "end"]
+    return ends[-1] if ends else max((commit.tick for commit in commits(journal)), default=0)
+
+
+def _period_ticks(scenario: Scenario, last_tick: int, every_s: float | None) -> int:
     if every_s is not None:
         return max(1, scenario.tick_of(every_s))
-    ends = [event.tick for event in events if event.kind == "end"]
-    last_tick = ends[-1] if ends else max((commit.tick for commit in commits(journal)), default=0)
     return math.ceil((last_tick + 1) / SNAPSHOTS_AT_MOST)
 
 
@@ -72,12 +76,12 @@ def main() -> int:
     die_with_parent(given.parent_pid)
     ticket = receive(given.ticket_fd, Ticket)
     scene = Scene(msgspec.toml.decode((given.folder / "scenario.toml").read_text("utf-8"), type=Scenario))
-    mode = choose_mode(given.mode)
+    mode, whole_s = choose_mode(given.mode), scene.scenario.duration_s
     viewer = None if mode == "file" else launch(mode, given.folder / "logs" / "viewer.log")
 
     def make() -> Sink:
         if viewer is None:
-            sink, address = FileSink(given.folder / "live.rrd", ticket.run, scene), "live.rrd"
+            sink, address = FileSink(given.folder / "live.rrd", ticket.run, scene, whole_s), "live.rrd"
         else:
             viewer.wait_until_open()
             sink, address = LiveSink(viewer.url, ticket.run, scene), viewer.address

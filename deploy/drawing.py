@@ -14,7 +14,7 @@ import rerun as rr
 
 from deploy.layout import TIMELINE, blueprint
 from deploy.scene import Scene, Snapshot, describe
-from deploy.scenes.mission import BASE, GREY, OWN, WHITE, Mission
+from deploy.scenes.mission import BASE, GREY, OWN, WHITE, Mission, Sketch, Strokes
 from wire.fields import Grid
 
 LINK, FAINT = (120, 230, 255), (70, 74, 88)
@@ -36,6 +36,8 @@ class Picture:
         self._robots = [row for row in range(len(scene.nodes)) if row != self._tower]
         self._radius_m = scene.mission.radius_m
         self._names_say_trouble = scene.mission.names_say_trouble
+        self._shows_traffic = scene.mission.shows_traffic
+        self._drawn: dict[str, Strokes | Sketch | None] = {}
         self._log_fixed(scene)
 
     def show(self, snapshot: Snapshot) -> None:
@@ -52,6 +54,7 @@ class Picture:
             stream.log("events", rr.TextLog(line.text, level=line.level))
         stream.set_time(TIMELINE, duration=snapshot.time_s)
         self._log_map(snapshot)
+        self._log_drawn(snapshot)
         for name, values in snapshot.curves.items():
             stream.log(f"plots/{name}", rr.Scalars(values))
 
@@ -67,6 +70,19 @@ class Picture:
         below = points[robots] + (0, 0.7 * self._radius_m)
         labels = self._labels(snapshot) if self._names_say_trouble else None
         stream.log("map/names", rr.Points2D.from_fields(positions=below, labels=labels))
+        if self._shows_traffic:
+            self._log_traffic(snapshot, points)
+        if snapshot.heat_s is not None:
+            stream.log("map/idleness", rr.DepthImage.from_fields(buffer=snapshot.heat_s[::-1].tobytes()))
+        if snapshot.glow:
+            stream.log("map/sites", rr.Points2D.from_fields(colors=snapshot.glow))
+        if snapshot.paints:
+            colours, labels = zip(*snapshot.paints, strict=True)
+            stream.log("map/strips", rr.LineStrips2D.from_fields(colors=colours))
+            stream.log("map/numbers", rr.Points2D.from_fields(labels=labels))
+
+    def _log_traffic(self, snapshot: Snapshot, points: np.ndarray) -> None:
+        stream = self._stream
         if len(snapshot.links):
             stream.log("map/links", rr.LineStrips2D.from_fields(strips=points[snapshot.links]))
         else:
@@ -81,14 +97,21 @@ class Picture:
             )
         else:
             stream.log("map/goals", rr.Clear(recursive=False))
-        if snapshot.heat_s is not None:
-            stream.log("map/idleness", rr.DepthImage.from_fields(buffer=snapshot.heat_s[::-1].tobytes()))
-        if snapshot.glow:
-            stream.log("map/sites", rr.Points2D.from_fields(colors=snapshot.glow))
-        if snapshot.paints:
-            colours, labels = zip(*snapshot.paints, strict=True)
-            stream.log("map/strips", rr.LineStrips2D.from_fields(colors=colours))
-            stream.log("map/numbers", rr.Points2D.from_fields(labels=labels))
+
+    def _log_drawn(self, snapshot: Snapshot) -> None:
+        """Strokes and the graph, where they are not what was drawn last."""
+        for name, strokes in snapshot.strokes.items():
+            if name not in self._drawn or strokes is not self._drawn[name]:
+                self._drawn[name] = strokes
+                drawn = rr.Clear(recursive=False) if strokes is None else _strips(strokes)
+                self._stream.log(f"map/{name}", drawn)
+        sketch = snapshot.sketch
+        if sketch is not None and sketch is not self._drawn.get("graph"):
+            self._drawn["graph"] = sketch
+            boxes = rr.GraphNodes(
+                sketch.names, positions=sketch.points, labels=sketch.labels, colors=sketch.colours
+            )
+            self._stream.log("graph", boxes, rr.GraphEdges(sketch.links))
 
     def _labels(self, snapshot: Snapshot) -> list[str]:
         """Names of robots; those in trouble with what it is."""
@@ -124,7 +147,7 @@ class Picture:
                 draw_order=35,
             ),
         )
-        if scene.range_m is not None:
+        if scene.range_m is not None and self._shows_traffic:
             radii_m = [(scene.range_m, scene.range_m)]
             fixed(
                 "map/reach",
@@ -133,6 +156,7 @@ class Picture:
         _log_grid(scene, fixed)
         _log_sites(scene.mission, fixed)
         _log_strips(scene.mission, fixed)
+        _log_pens(scene.mission, fixed)
         for plot in scene.plots:
             series, colours = zip(*plot.series, strict=True)
             fixed(f"plots/{plot.name}", rr.SeriesLines(names=series, colors=colours, widths=[1.5]))
@@ -145,10 +169,10 @@ class Picture:
 class FileSink(Picture):
     """A recording on disk, in large chunks: with one chunk for each row it would be eight times larger."""
 
-    def __init__(self, path: Path, run: str, scene: Scene) -> None:
+    def __init__(self, path: Path, run: str, scene: Scene, until_s: float) -> None:
         batches = rr.ChunkBatcherConfig(flush_tick=60.0)
         stream = rr.RecordingStream("picket", recording_id=run, batcher_config=batches)
-        stream.save(path, default_blueprint=blueprint(scene, follow=False))
+        stream.save(path, default_blueprint=blueprint(scene, until_s, follow=False))
         super().__init__(stream, scene)
 
     def close(self) -> None:
@@ -162,7 +186,7 @@ class LiveSink(Picture):
     def __init__(self, url: str, run: str, scene: Scene) -> None:
         batches = rr.ChunkBatcherConfig(flush_tick=0.1)
         stream = rr.RecordingStream("picket", recording_id=run, batcher_config=batches)
-        stream.connect_grpc(url, default_blueprint=blueprint(scene, follow=True))
+        stream.connect_grpc(url, default_blueprint=blueprint(scene, scene.scenario.duration_s, follow=True))
         super().__init__(stream, scene)
 
     def close(self) -> None:
@@ -247,6 +271,20 @@ def _log_strips(mission: Mission, fixed: Fixed) -> None:
                 draw_order=50,
             ),
         )
+
+
+def _log_pens(mission: Mission, fixed: Fixed) -> None:
+    """How strokes look, and those that are always there."""
+    for name, pen in mission.pens.items():
+        radius = pen.width_m / 2 if pen.width_m else -pen.width_px / 2
+        fixed(f"map/{name}", rr.LineStrips2D.from_fields(radii=[radius], draw_order=pen.order))
+    for name, strokes in mission.fixed.items():
+        fixed(f"map/{name}", _strips(strokes))
+
+
+def _strips(strokes: Strokes) -> rr.LineStrips2D:
+    lines = [_view(line_m) for line_m in strokes.lines_m]
+    return rr.LineStrips2D.from_fields(strips=lines, colors=strokes.colours)
 
 
 def _view(points_m: np.ndarray) -> np.ndarray:

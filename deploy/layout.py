@@ -4,18 +4,19 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from deploy.scene import Scene
-from deploy.scenes.mission import Plot
+from deploy.scenes.mission import Mission, Plot
 from wire.scenario import Scenario
 
 TIMELINE = "sim_time"
+PAPER = (14, 15, 20)
 REPLAY_S = 120.0
 WIDE = 1.3
 """A map that is so many times as wide as it is high has room below it, for the mission's first diagram."""
 
 
-def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
-    """The map at the left; curves, lanes of states and the event log beside it."""
-    axis = rrb.TimeAxis(view_range=_window(scene.scenario, follow))
+def blueprint(scene: Scene, until_s: float, follow: bool) -> rrb.Blueprint:
+    """The map at the left; curves, lanes of states and the event log beside it. The run ends at `until_s`."""
+    axis = rrb.TimeAxis(view_range=_window(scene.scenario, until_s, follow))
     infinite = rr.TimeRangeBoundary.infinite()
     all_time = rrb.VisibleTimeRange(TIMELINE, start=infinite, end=infinite)
     plots = [_diagram(plot, axis, all_time) for plot in scene.plots]
@@ -24,7 +25,11 @@ def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
     events = rrb.TextLogView(origin="events", name="Events", columns=columns)
     about = rrb.TextDocumentView(origin="about", name="About")
     left, bottom, right, top = scene.mission.bounds_m
-    if right - left > WIDE * (top - bottom):
+    if scene.mission.canvas is not None:
+        below = rrb.Vertical(_map(scene), rrb.Tabs(events, plots[-1], about), row_shares=[78, 22])
+        between = rrb.Vertical(_graph(scene.mission), *plots[:-1], row_shares=[32, 18, 22, 28])
+        views = rrb.Horizontal(below, between, lanes, column_shares=[47, 29, 24])
+    elif right - left > WIDE * (top - bottom):
         below = rrb.Vertical(_map(scene), plots[0], row_shares=[62, 38])
         others, texts = plots[1:-1], rrb.Tabs(events, plots[-1], about)
         beside = rrb.Vertical(lanes, *others, texts, row_shares=[45, *(18 for _ in others), 19])
@@ -34,7 +39,7 @@ def blueprint(scene: Scene, follow: bool) -> rrb.Blueprint:
         beside = rrb.Vertical(*plots[:2], lanes, texts, row_shares=[12, 12, 43, 18])
         views = rrb.Horizontal(_map(scene), beside, column_shares=[11, 9])
     # A person who opens a recording sees the run pass in REPLAY_S.
-    speed = None if follow else scene.scenario.duration_s / REPLAY_S
+    speed = None if follow else max(1.0, until_s / REPLAY_S)
     play = "following" if follow else "playing"
     return rrb.Blueprint(
         views,
@@ -53,9 +58,14 @@ def _map(scene: Scene) -> rrb.Spatial2DView:
     bounds = rrb.VisualBounds2D(
         x_range=(left - margin, right + margin), y_range=(-top - margin, margin - bottom)
     )
-    return rrb.Spatial2DView(
-        origin="map", name=scene.mission.title, visual_bounds=bounds, background=(14, 15, 20)
-    )
+    return rrb.Spatial2DView(origin="map", name=scene.mission.title, visual_bounds=bounds, background=PAPER)
+
+
+def _graph(mission: Mission) -> rrb.GraphView:
+    width, height = mission.canvas
+    bounds = rrb.VisualBounds2D(x_range=(0.0, width), y_range=(0.0, height))
+    paper = rrb.archetypes.GraphBackground(color=PAPER)
+    return rrb.GraphView(origin="graph", name=mission.graph_title, visual_bounds=bounds, background=paper)
 
 
 def _diagram(plot: Plot, axis: rrb.TimeAxis, times: rrb.VisibleTimeRange) -> rrb.TimeSeriesView:
@@ -65,11 +75,11 @@ def _diagram(plot: Plot, axis: rrb.TimeAxis, times: rrb.VisibleTimeRange) -> rrb
         time_ranges=[times],
         axis_x=axis,
         axis_y=None if plot.span is None else rrb.ScalarAxis(range=plot.span),
-        plot_legend=rrb.PlotLegend("LeftTop"),
+        plot_legend=rrb.PlotLegend("LeftTop", visible=len(plot.series) > 1),
     )
 
 
-def _window(scenario: Scenario, follow: bool) -> rr.TimeRange:
+def _window(scenario: Scenario, until_s: float, follow: bool) -> rr.TimeRange:
     """What curves and lanes show: the whole run, or the last twenty minutes of a paced run."""
     if follow and scenario.clock.kind == "paced":
         span_s = min(scenario.duration_s, 1200 * scenario.clock.rate)
@@ -78,5 +88,6 @@ def _window(scenario: Scenario, follow: bool) -> rr.TimeRange:
             rr.TimeRangeBoundary.cursor_relative(seconds=span_s / 20),
         )
     return rr.TimeRange(
-        rr.TimeRangeBoundary.absolute(seconds=0.0), rr.TimeRangeBoundary.absolute(seconds=scenario.duration_s)
+        rr.TimeRangeBoundary.absolute(seconds=0.0),
+        rr.TimeRangeBoundary.absolute(seconds=max(until_s, scenario.tick_s)),
     )

@@ -45,7 +45,7 @@ def _shoot(viewer: Viewer, recording: Path, picture: Path, at_s: float) -> None:
     client.open(str(recording.resolve()))
     client.set_time(TIMELINE, duration=at_s, play_state="paused")
     until, before = time.monotonic() + STABLE_WITHIN_S, None
-    time.sleep(5.0)  # a notice that it runs without a window covers a corner until then
+    time.sleep(6.0)  # a notice that it runs without a window covers a corner until then
     while time.monotonic() < until:
         client.save_screenshot(str(picture.resolve()))
         with Image.open(picture) as shot:

@@ -12,7 +12,7 @@ import numpy as np
 from deploy.scenes.area import AreaMission
 from deploy.scenes.clear import ClearMission
 from deploy.scenes.line import LineMission
-from deploy.scenes.mission import BASE, DEAD, FLAT, FROZEN, OWN, Colour, Mission, Paint, Plot
+from deploy.scenes.mission import BASE, DEAD, FLAT, FROZEN, OWN, Colour, Mission, Paint, Plot, Sketch, Strokes
 from wire.messages import Event, Facts
 from wire.scenario import Range, Scenario
 
@@ -38,7 +38,8 @@ class Snapshot(NamedTuple):
 
     `positions_m`: (nodes, 2). `colours`: of all nodes. `links`: rows of nodes, (links, 2), each pair once.
     `goals_m`: (nodes, 2), NaN for none. `heat_s`: (rows, columns), row 0 at the bottom, or None. `glow`: of
-    the mission's sites. `paints`: of its strips. `curves`: values by name of the plot.
+    the mission's sites. `paints`: of its strips. `strokes`: by name, None for none. `sketch`: of its graph.
+    `curves`: values by name of the plot.
     """
 
     time_s: float
@@ -50,6 +51,8 @@ class Snapshot(NamedTuple):
     heat_s: np.ndarray | None
     glow: tuple[Colour, ...]
     paints: tuple[Paint, ...]
+    strokes: dict[str, Strokes | None]
+    sketch: Sketch | None
     curves: dict[str, tuple[float, ...]]
     lines: tuple[Line, ...]
     changes: tuple[Change, ...]
@@ -97,6 +100,7 @@ class Scene:
         self._facts, self.time_s = facts, facts.tick * self.scenario.tick_s
         self._links = np.frombuffer(facts.links, "<u2").reshape(-1, 2)
         self.mission.take(facts, self._links)
+        self._lines += [Line(self.time_s, level, text) for level, text in self.mission.news()]
         self._delivered, self._ticks = self._delivered + len(self._links), self._ticks + 1
         for row, mode in enumerate(facts.modes):
             state = (FROZEN, DEAD, FLAT)[mode - 1] if mode else self._doing(row)
@@ -130,6 +134,8 @@ class Scene:
             self.mission.heat_s(),
             self.mission.glow(),
             self.mission.paints(),
+            self.mission.strokes(),
+            self.mission.sketch(),
             curves,
             tuple(self._lines),
             tuple(self._changes),
@@ -165,5 +171,6 @@ def describe(scene: Scene) -> str:
         "seed": str(given.seed),
     }
     table = "\n".join(f"| {name} | {value} |" for name, value in rows.items())
-    legend = "Links: frames delivered in the tick shown. Arrows: to the goal. Red: dead; pale: frozen."
+    traffic = "Links: frames delivered in the tick shown. Arrows: to the goal. "
+    legend = f"{traffic if scene.mission.shows_traffic else ''}Red: dead; pale: frozen."
     return f"| run | |\n|---|---|\n{table}\n\n{scene.mission.legend}\n\n{legend}"

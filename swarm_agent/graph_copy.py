@@ -144,7 +144,8 @@ class GraphCopy:
         if delta.since != NOTHING:
             known |= set(self.net)
         ends = {end for edge in delta.edges for end in (edge.low, edge.high)}
-        if not known >= ends | ({delta.main.vertex} if delta.main else set()):
+        ends |= {delta.main.vertex} if delta.main else set()
+        if known != set(range(len(known))) or not known >= ends:
             return False
         if delta.since == NOTHING:
             self.net.clear()

@@ -7,6 +7,8 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from swarm_agent.behaviour import settled_parameters
+from swarm_agent.behaviours.sweep_line import SweepLine
 from tests.builders import STILL, Course
 from wire import codec
 from wire.fields import FloorPlan, Point
@@ -20,6 +22,9 @@ BODY_M = 0.2
 ELL: tuple[Point, ...] = ((0, 0), (6, 0), (6, 2), (2, 2), (2, 6), (0, 6))
 """Two corridors 2 m wide, at a right angle."""
 BOX: tuple[Point, ...] = ((0, 0), (4, 0), (4, 3), (0, 3))
+
+NOSE: tuple[Point, ...] = ((0, 0), (5, 0), (5, 1.6), (3.2, 1.6), (3.2, 2), (5, 2), (5, 3.6), (0, 3.6))
+"""A room into which a wall juts from the far side, at which a line must split."""
 
 
 def clearing(
@@ -44,6 +49,13 @@ def clearing(
     field = FloorPlan(rings_m=rings_m, turned_rad=turned_rad)
     team = msgspec.structs.replace(team, parameters=parameters or {})
     return Scenario(mission="clear", field=field, robots=team, **told)
+
+
+def sweeping(robots: int = 4, parameters: dict[str, Any] | None = None, **fields: Any) -> Scenario:
+    """A scenario in which a sweep team clears a plan: from the dead end of ELL, unless told otherwise."""
+    settled = settled_parameters(SweepLine, parameters or {}, robots + 1)
+    told = {"start": Cluster(5.6, 0.4), "duration_s": 600.0} | fields
+    return clearing(robots, behaviour="sweep_line", parameters=msgspec.to_builtins(settled), **told)
 
 
 def percepts_hash(journal: Path) -> str:

@@ -2,7 +2,6 @@
 
 import importlib
 import pkgutil
-from functools import cache
 from typing import get_args
 
 import msgspec
@@ -13,18 +12,30 @@ from hypothesis import strategies as st
 
 import swarm_agent.behaviours
 import tower
-from swarm_agent.behaviour import Behaviour, find_behaviour, settled_parameters
-from swarm_agent.behaviours.dtag import Arrival
-from swarm_agent.behaviours.dtap import Request
-from swarm_agent.behaviours.expected_reactive import Decision
+from swarm_agent.behaviour import Behaviour, find_behaviour
 from swarm_agent.knowledge import Bulletin
 from swarm_agent.line_radio import Envelope
 from swarm_agent.node import Mind, percepts_of
-from tests.builders import configuration, from_robot, from_tower, percept, table
-from tests.line_builders import report, straight
+from tests.builders import percept
+from tests.lives import (
+    IN_A_PLAN,
+    ON_A_LINE,
+    a_life,
+    a_mind,
+    answers,
+    damaged,
+    first,
+    hearing,
+    sound_frames,
+    strange,
+)
 from wire import codec
-from wire.fields import Grid
-from wire.messages import Action, Frame, Motion, Percept, Senses, Sighting
+from wire.messages import Action, Frame, Motion, Percept, Senses
+
+TOWERS = dict.fromkeys(ON_A_LINE, ("line_keeper", Envelope)) | dict.fromkeys(
+    IN_A_PLAN, ("base_station", None)
+)
+"""The tower that listens to a behaviour, and as what it takes its words; all others are a base station's."""
 
 
 def _discover() -> list[tuple[str, str]]:
@@ -44,75 +55,8 @@ def _discover() -> list[tuple[str, str]]:
     return found
 
 
-ON_A_LINE = ("line_patrol", "overlap_patrol", "line_keeper")
 DISCOVERED = _discover()
 every_behaviour = pytest.mark.parametrize(("package", "name"), DISCOVERED, ids=lambda one: one)
-
-
-def first(package: str, name: str, generator_key: tuple[int, ...] = (1, 2)) -> Percept:
-    """The first percept of a node with this behaviour, on a small field, in the paper's team of ten."""
-    parameters = settled_parameters(find_behaviour(name, package), {}, 10)
-    node = "r1" if package == "tower" else "r2"
-    place = {"field": straight(), "tower_m": (30.0, 0.0)} if name in ON_A_LINE else {"field": Grid(6, 6)}
-    told = configuration(node, name, msgspec.to_builtins(parameters), generator_key=generator_key, **place)
-    return percept(0, 2.0, 3.0, why="start", configuration=told)
-
-
-@cache
-def sound_frames() -> list[bytes]:
-    """Frames that our behaviours really say: without own words, with a duty, a decision, a request."""
-    news = table(s1=4, s30=2)
-    return [
-        codec.encode(from_tower(3, news).message),
-        codec.encode(from_robot("r3", 3, 5.0, 1, 2, 3, news).message),
-        *(codec.encode(report("r3", tick, "patrol", 1 + tick % 6).message) for tick in (3, 7)),
-        codec.encode(Bulletin(news, (), 3, Decision(1, 8, 20.0))),
-        codec.encode(Bulletin(news, (), 3, (Request(8, 500.0), Arrival(bytes(4 * 36), 8)))),
-    ]
-
-
-def a_life(package: str, name: str, ticks: int = 25, seed: int = 0) -> list[Percept]:
-    """Percepts of a node that drives about, sees others, hears sense and garbage."""
-    draw = np.random.Generator(np.random.Philox(seed))
-    life = [first(package, name)]
-    for tick in range(1, ticks):
-        x_m, y_m = (draw.random(2) * 180).tolist()
-        heard = [
-            Frame(f"r{number}", tick - 1, payload)
-            for number, payload in zip(
-                (1, 3, 4, 5, 6, 7, 8), [*sound_frames(), draw.bytes(int(draw.integers(40)))], strict=True
-            )
-            if draw.random() < 0.7
-        ]
-        seen = [Sighting("r3", x_m + 1, y_m)] if draw.random() < 0.5 else []
-        life.append(percept(tick, x_m, y_m, inbox=heard, in_sight=seen))
-    return life
-
-
-class Notebook:
-    """A ledger in memory."""
-
-    def __init__(self) -> None:
-        self.grants = {}
-
-    def read(self, before_grant):
-        """All entries of the grants before."""
-        self.grants = {grant: kept for grant, kept in self.grants.items() if grant < before_grant}
-        return [one for kept in self.grants.values() for one in kept]
-
-    def write(self, grant, tick, entries) -> None:
-        """Keep the entries of one grant."""
-        self.grants[grant] = [msgspec.structs.replace(one, tick=tick) for one in entries]
-
-
-def a_mind(package: str) -> Mind:
-    """A mind with a ledger, which a tower may need."""
-    return Mind(package, Notebook())
-
-
-def answers(package: str, life: list[Percept]) -> list[bytes]:
-    mind = a_mind(package)
-    return [mind.answer(codec.encode(one)) for one in life]
 
 
 def test_every_behaviour_is_discovered():
@@ -167,11 +111,16 @@ def test_what_a_behaviour_says_it_understands(package, name):
 
 @every_behaviour
 def test_the_tower_understands_the_news_of_every_behaviour_that_speaks(package, name):
-    on_a_line = name in ON_A_LINE
-    station = find_behaviour("line_keeper" if on_a_line else "base_station", "tower")
+    """Of a mission whose tower is a mast, that has no ear: no word is mistaken for another mission's."""
+    station, kind = TOWERS.get(name, ("base_station", Bulletin))
+    understands = find_behaviour(station, "tower").Radio
     for answer in answers(package, a_life(package, name)):
         for payload in codec.decode(Action, answer).outbox:
-            assert isinstance(codec.decode(station.Radio, payload), Envelope if on_a_line else Bulletin)
+            if kind is None:
+                with pytest.raises(codec.Malformed):
+                    codec.decode(understands, payload)
+            else:
+                assert isinstance(codec.decode(understands, payload), kind)
 
 
 @every_behaviour
@@ -191,7 +140,7 @@ def test_a_percept_is_never_changed(package, name):
     parameters = codec.decode(behaviour.Parameters, told.parameters)
     one = behaviour(parameters, told, np.random.Generator(np.random.Philox(1)))
     for given_percept in a_life(package, name):
-        heard = Mind._decode(_mind_of(one), given_percept.inbox)
+        heard = Mind._decode(_mind_of(one), given_percept.inbox, given_percept.senses.bearings)
         before = codec.encode(given_percept), codec.encode([item.message for item in heard]), list(heard)
         one.step(given_percept, heard)
         assert (
@@ -214,28 +163,9 @@ def test_garbage_in_the_inbox_crashes_nobody(package, name, data):
     mind = a_mind(package)
     mind.answer(codec.encode(first(package, name)))
     for tick in range(1, 4):
-        frames = st.one_of(st.binary(max_size=60), _damaged(), _strange())
+        frames = st.one_of(st.binary(max_size=60), damaged(), strange())
         payloads = data.draw(st.lists(frames, max_size=4))
-        inbox = [Frame(f"r{number}", tick - 1, payload) for number, payload in enumerate(payloads, start=1)]
-        assert mind.answer(codec.encode(percept(tick, 45.0, 45.0, inbox=inbox)))
-
-
-@st.composite
-def _damaged(draw) -> bytes:
-    payload = bytearray(draw(st.sampled_from(sound_frames())))
-    payload[draw(st.integers(0, len(payload) - 1))] = draw(st.integers(0, 255))
-    return bytes(payload)
-
-
-@st.composite
-def _strange(draw) -> bytes:
-    """A frame that has the form of a bulletin and says impossible things."""
-    whole = st.integers(-(2**63), 2**63 - 1)
-    number = st.floats() | whole
-    acknowledged = st.lists(st.tuples(st.text(max_size=3), whole), max_size=2)
-    columns = st.tuples(st.binary(max_size=12), st.binary(max_size=6))
-    own = st.none() | st.tuples(number, whole, whole, whole)
-    return codec.encode(draw(st.tuples(columns, acknowledged, whole, own)))
+        assert mind.answer(codec.encode(hearing(name, tick, payloads)))
 
 
 @every_behaviour

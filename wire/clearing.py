@@ -13,7 +13,8 @@ class Standing(Message):
     `line`: the number of the line it belongs to, `main`: is that the one that moves? `left`, `right`: its
     neighbours on the line. `releasing`: it gives up cleared ground on purpose. `events`: what it has decided
     since its last report, each told by one robot only: "split", "search", "search_failed", "dissolve",
-    "merge", "restart". `graph`: its surveillance graph, whole, as swarm_agent.graph_copy.Delta.
+    "merge", "restart". `graph`: its surveillance graph, whole, as swarm_agent.graph_copy.Delta. `wall_m`: the
+    way to the wall that it holds as an end of its line, forward and to the left of its body.
     """
 
     role: str = ""
@@ -25,6 +26,7 @@ class Standing(Message):
     releasing: bool = False
     events: tuple[str, ...] = ()
     graph: bytes = b""
+    wall_m: tuple[float, float] = (0.0, 0.0)
 
 
 class Clearing(Message):

@@ -10,6 +10,7 @@ A robot is on a line when it has a neighbour there. Events are counted as robots
 newest that any of them reported. The exact referee decides, where there is one.
 """
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -96,6 +97,21 @@ class ClearMetrics:
     def instant(self) -> Instant:
         """The state after the last tick."""
         return self._curve[-1]
+
+    @property
+    def standing(self) -> Mapping[str, Standing]:
+        """What living robots last said of themselves."""
+        return self._standing
+
+    @property
+    def graph(self) -> Delta | None:
+        """The newest surveillance graph that any of them told."""
+        return self._graph
+
+    @property
+    def lost_m2(self) -> Mapping[str, float]:
+        """What became contaminated again, by its cause."""
+        return self._lost_m2
 
     def is_on_line(self, node: str) -> bool:
         """Has a living robot a neighbour on a line, by its own last report?"""

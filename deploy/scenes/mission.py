@@ -1,5 +1,6 @@
 """What pictures of all missions are made of, and what a mission may add to bodies and radio."""
 
+from collections.abc import Sequence
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -52,6 +53,31 @@ class Paint(NamedTuple):
     label: str
 
 
+class Pen(NamedTuple):
+    """How strokes are drawn: a higher `order` over a lower one; in pixels where `width_m` is 0."""
+
+    order: float
+    width_px: float = 1.0
+    width_m: float = 0.0
+
+
+class Strokes(NamedTuple):
+    """Lines on the map, (points, 2) each, and a colour for each of them, or one for all."""
+
+    lines_m: Sequence[np.ndarray]
+    colours: Sequence[Colour]
+
+
+class Sketch(NamedTuple):
+    """A graph as it is drawn in a view of its own, y downwards; `links` are pairs of names."""
+
+    names: tuple[str, ...]
+    points: tuple[Point, ...]
+    labels: tuple[str, ...]
+    colours: tuple[Colour, ...]
+    links: tuple[tuple[str, str], ...]
+
+
 def hot(share: float) -> Colour:
     """The colour of a value on the scale of the heat map (inferno), where 1 is hottest."""
     place = min(1.0, max(0.0, share)) * (len(INFERNO) - 1)
@@ -90,6 +116,15 @@ class Mission:
     """Words on the map."""
     names_say_trouble: bool = False
     """Does a name say `dead`, `flat` or `frozen`, because colours alone would not?"""
+    shows_traffic: bool = True
+    """Are deliveries and goals drawn on the map, and how far the base station reaches?"""
+    pens: ClassVar[dict[str, Pen]] = {}
+    """What there is of strokes, by name."""
+    fixed: ClassVar[dict[str, Strokes]] = {}
+    """Strokes that hold for all times."""
+    canvas: tuple[float, float] | None = None
+    """Width and height of the view for a graph, if there is one; `graph_title` is its name."""
+    graph_title: str = ""
 
     def take(self, facts: Facts, links: np.ndarray) -> None:
         """Fold one tick."""
@@ -114,6 +149,18 @@ class Mission:
     def glow(self) -> tuple[Colour, ...]:
         """The colour of each of `sites`."""
         return ()
+
+    def strokes(self) -> dict[str, Strokes | None]:
+        """Strokes as they are now; None where there are none. The same object again: nothing has changed."""
+        return {}
+
+    def sketch(self) -> Sketch | None:
+        """The graph as it is now. The same object again: nothing has changed."""
+        return None
+
+    def news(self) -> list[tuple[str, str]]:
+        """What happened in the tick that was folded last, for the event log: levels and texts."""
+        return []
 
     def paints(self) -> tuple[Paint, ...]:
         """How each of `strips` looks."""

@@ -70,6 +70,8 @@ class SweepLine(Behaviour):
         self.beginning, self.captain = Beginning(), Captain()
         self.reserve, self.slot = Reserve(), gait.Slot()
         self._outlook: Outlook | None = None
+        self._drawn = NOTHING
+        """The newest version of the graph that observers know from this robot."""
 
     def step(self, percept: Percept, heard: Sequence[Heard]) -> Move:
         """Look, listen, agree with the neighbours, move, and tell."""
@@ -180,6 +182,9 @@ class SweepLine(Behaviour):
     def _standing(self) -> Standing:
         robot = self.robot
         nothing_held = robot.graph.main is None and not robot.graph.lines()
+        newest, wall = robot.graph.version, robot.contact - robot.here
+        wrote = newest.writer == self.configuration.node and newest != self._drawn
+        self._drawn = newest
         return Standing(
             robot.role,
             robot.line,
@@ -189,7 +194,8 @@ class SweepLine(Behaviour):
             robot.claim,
             nothing_held or (robot.role == "reserve" and in_front(robot)),
             tuple(one for one in robot.events if one != "closed"),
-            codec.encode(robot.graph.delta_since(NOTHING)) if robot.events else b"",
+            codec.encode(robot.graph.delta_since(NOTHING)) if wrote else b"",
+            (wall.real, wall.imag) if robot.role == "leader" else (0.0, 0.0),
         )
 
 

@@ -41,12 +41,11 @@ def _end_of_line(robot: Robot) -> None:
 def choose_next(robot: Robot) -> None:
     """A standing line becomes the main line, as the plan for what is known of the floor wants it."""
     strike_out(robot)
-    lines = robot.graph.lines()
-    if not lines:
+    lines, cleared = robot.graph.lines(), robot.graph.cleared()
+    if not lines or not cleared:
         return
-    cleared = robot.graph.cleared()
     around = networkx.node_connected_component(robot.graph.net, min(cleared))  # not from before a restart
-    vertex = next_vertex(robot.graph.net.subgraph(around), cleared, robot.team)
+    vertex = next_vertex(robot.graph.net.subgraph(around), cleared & around, robot.team)
     wanted = [line for line in lines if robot.graph.ahead_of(line) == vertex]
     robot.graph.activate(wanted[0] if wanted else max(lines))
 
@@ -54,7 +53,8 @@ def choose_next(robot: Robot) -> None:
 def strike_out(robot: Robot) -> None:
     """Lines that have dissolved where they stood are no lines any more."""
     for line in sorted(robot.gone & set(robot.graph.lines())):
-        robot.graph.vanish(line)
+        if line in robot.graph.lines():  # else another one before the same vertex has gone, and this with it
+            robot.graph.vanish(line)
 
 
 def _in_the_middle(robot: Robot, outlook: Outlook) -> None:

@@ -1,6 +1,6 @@
 """What a line knows of itself, told from neighbour to neighbour, one hop a tick, from both of its ends."""
 
-from swarm_agent.sweep.radio import OTHER, SIDES, WALL, Flow, Side
+from swarm_agent.sweep.radio import MOST, OTHER, SIDES, WALL, Flow, Side
 from swarm_agent.sweep.robot import Robot
 
 
@@ -43,7 +43,7 @@ def _joined(robot: Robot, side: Side, before: Flow | None) -> Flow:
     if before is None:
         return own
     return Flow(
-        before.count + 1,
+        min(before.count + 1, MOST),
         min(before.since, own.since),
         max(before.moved, own.moved),
         before.open or own.open,
@@ -51,7 +51,7 @@ def _joined(robot: Robot, side: Side, before: Flow | None) -> Flow:
         before.pinned or own.pinned,
         before.pivot or own.pivot,
         before.want or own.want,
-        before.spare + own.spare,
+        min(before.spare + own.spare, MOST),
         before.angle_rad,
         before.order,
         max(before.taut, own.taut),
@@ -75,4 +75,4 @@ def spare(robot: Robot) -> int:
         for peer in robot.peers.known.values()
         if peer.beacon.role == "reserve" and peer.beacon.ahead == robot.number
     ]
-    return sum(tails)
+    return min(sum(tails), MOST)

@@ -22,8 +22,13 @@ BARRIER = ("centre", "leader", "leaving")
 """The roles of those who are part of a line."""
 
 Number = Annotated[int, msgspec.Meta(ge=-1, le=9999)]
-Count = Annotated[int, msgspec.Meta(ge=0, le=10_000)]
+MOST = 10_000
+Count = Annotated[int, msgspec.Meta(ge=0, le=MOST)]
 Tick = Annotated[int, msgspec.Meta(ge=-1, le=2**53)]
+Order = Annotated[int, msgspec.Meta(ge=-1, le=10_000)]
+Angle = Annotated[float, msgspec.Meta(ge=-10, le=10)]
+Way = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
+"""Numbers that are finite: bounds refuse what is no number, too."""
 Stage = Literal["", "forming", "cut", "closed", "gone", "gathering"]
 
 
@@ -47,8 +52,8 @@ class Flow(msgspec.Struct, frozen=True, array_like=True):
     pivot: bool
     want: bool
     spare: Count
-    angle_rad: float = 0.0
-    order: int = 0
+    angle_rad: Angle = 0.0
+    order: Order = 0
     taut: Count = 0
 
 
@@ -57,7 +62,7 @@ class Measured(msgspec.Struct, frozen=True, array_like=True):
 
     number: Number
     tick: Tick
-    bearing_rad: float
+    bearing_rad: Angle
 
 
 class Beacon(msgspec.Struct, frozen=True, array_like=True):
@@ -86,8 +91,8 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     pinned: bool
     close: bool
     ready: bool
-    wall_x_m: float
-    wall_y_m: float
+    wall_x_m: Way
+    wall_y_m: Way
     stage: Stage
     epoch: Count
     anchor: Number

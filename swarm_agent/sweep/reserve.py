@@ -233,7 +233,7 @@ def in_front(robot: Robot) -> bool:
         if peer.beacon.role in BARRIER:
             for side in SIDES:
                 other = robot.peer(peer.beacon.beside(side))
-                if other is not None:
+                if other is not None and other.here != peer.here:
                     link = (other.here - peer.here) * (1 if side == "right" else -1)
                     if ((robot.here - peer.here) / link).imag > 0:
                         return True

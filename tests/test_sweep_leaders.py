@@ -1,0 +1,131 @@
+"""Which leader of a line goes, and which way."""
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+
+from swarm_agent.sweep import gait
+from swarm_agent.sweep.outlook import Outlook
+from swarm_agent.sweep.radio import OTHER, WALL, Side
+from swarm_agent.sweep.robot import Robot
+from tests.sweep_builders import a_robot, flow, meets, sees_walls, stands, wall
+
+
+def a_leader(side: Side, other_deg: float = 90.0) -> Robot:
+    """A leader of the main line at a straight wall below it, told of the other leader's angle."""
+    robot = a_robot()
+    neighbours = (WALL, 3) if side == "left" else (3, WALL)
+    stands(robot, "leader", *neighbours)
+    sees_walls(robot, wall(-2 - 0.25j, 2 - 0.25j))
+    robot.contact = -0.25j
+    robot.told[OTHER[side]] = flow(angle_rad=math.radians(other_deg))
+    return robot
+
+
+def led(robot: Robot, degrees: float) -> complex:
+    """The way of a leader whose neighbour stands at that angle from the way along its wall.
+
+    The angle is measured from the neighbour through the contaminated side, so the left leader, whose way
+    along the wall is -1 here, has its neighbour clockwise from there.
+    """
+    side = robot.wall_side()
+    turn = cmath.exp(1j * math.radians(degrees))
+    ways = {side: robot.contact, OTHER[side]: -1 / turn if side == "left" else turn}
+    none = np.zeros(0, dtype=bool)
+    return gait.lead(robot, Outlook(np.zeros(0, dtype=complex), none, none, none, ways))
+
+
+@pytest.mark.parametrize(
+    ("left_deg", "right_deg", "left_moves", "right_moves"),
+    [
+        (90, 90, True, True),
+        (60, 120, True, False),
+        (120, 60, False, True),
+        (100, 140, True, False),
+        (140, 100, False, True),
+        (120, 120, True, True),
+        (225, 200, False, True),
+    ],
+)
+def test_the_leader_goes_whose_angle_is_less_than_a_right_one_or_the_smaller(
+    left_deg, right_deg, left_moves, right_moves
+):
+    """Source: specs of mission clear, 3.7 item 1; Kolling and Carpin 2010, algorithm 1, by signed angles."""
+    left, right = a_leader("left", right_deg), a_leader("right", left_deg)
+    assert bool(led(left, left_deg)) == left_moves
+    assert bool(led(right, right_deg)) == right_moves
+    assert math.degrees(left.angle_rad) == pytest.approx(left_deg, abs=3)
+    assert math.degrees(right.angle_rad) == pytest.approx(right_deg, abs=3)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize(("degrees", "read_deg"), [(45, 45), (135, 135), (225, 225), (300, 300), (350, 0)])
+def test_angles_of_leaders_are_signed_and_noise_around_zero_is_zero(side, degrees, read_deg):
+    """Source: specs of mission clear, 3.2 item 4: 225 degrees are not 135; more than 1.8 pi is none."""
+    robot = a_leader(side)
+    led(robot, degrees)
+    assert math.degrees(robot.angle_rad) == pytest.approx(read_deg, abs=3)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("degrees", [10, 60, 90, 120, 170])
+def test_a_leader_changes_the_length_of_the_line_by_the_cosine_of_its_angle(side, degrees):
+    """Source: specs of mission clear, 3.2 item 4: d(length)/dt = -v1 cos a1 - v2 cos a2."""
+    robot = a_leader(side, 179.0)
+    way = led(robot, degrees)
+    turn = cmath.exp(1j * math.radians(degrees))
+    neighbour = 5 * (-1 / turn if side == "left" else turn)
+    longer_m = abs(neighbour - way) - abs(neighbour)
+    assert longer_m == pytest.approx(-abs(way) * math.cos(robot.angle_rad), abs=0.002)
+
+
+def held(robot: Robot) -> None:
+    robot.halt = True
+
+
+def told_to_halt(robot: Robot) -> None:
+    robot.told["right"] = flow(halt=True)
+
+
+def told_nothing(robot: Robot) -> None:
+    robot.told["right"] = None
+
+
+def searching(robot: Robot) -> None:
+    robot.order = 3
+
+
+@pytest.mark.parametrize("why", [held, told_to_halt, told_nothing, searching])
+def test_no_leader_moves_while_the_line_is_to_stand_or_its_news_is_missing(why):
+    """Source: specs of mission clear, 3.7 item 2: gate."""
+    robot = a_leader("left")
+    assert led(robot, 60)
+    why(robot)
+    assert not led(robot, 60)
+
+
+def pinned_line(robot: Robot) -> None:
+    robot.told["right"] = flow(pinned=True, angle_rad=math.pi / 2)
+
+
+def standing_line(robot: Robot) -> None:
+    robot.line = 7
+
+
+@pytest.mark.parametrize("why", [pinned_line, standing_line])
+def test_a_line_that_stands_or_has_a_pivot_only_becomes_shorter(why):
+    """Source: specs of mission clear, 3.9: stationary lines tighten, only by shortening moves."""
+    robot = a_leader("left")
+    why(robot)
+    assert led(robot, 60) and not led(robot, 100) and not led(robot, 90)
+
+
+def test_a_leader_stops_where_its_link_would_be_wider_than_both_see():
+    """Source: specs of mission clear, 3.4: the gap gate."""
+    robot = a_leader("left", 179.0)
+    for apart_m, widens in ((1.0, True), (1.15, True), (1.25, False), (1.35, False)):
+        peer = meets(robot, 3, cmath.rect(apart_m, math.radians(10)))
+        way = led(robot, 170)
+        assert (abs(peer.here - way) > apart_m + 1e-6) == widens
