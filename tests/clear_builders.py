@@ -23,9 +23,6 @@ ELL: tuple[Point, ...] = ((0, 0), (6, 0), (6, 2), (2, 2), (2, 6), (0, 6))
 """Two corridors 2 m wide, at a right angle."""
 BOX: tuple[Point, ...] = ((0, 0), (4, 0), (4, 3), (0, 3))
 
-NOSE: tuple[Point, ...] = ((0, 0), (5, 0), (5, 1.6), (3.2, 1.6), (3.2, 2), (5, 2), (5, 3.6), (0, 3.6))
-"""A room into which a wall juts from the far side, at which a line must split."""
-
 
 def clearing(
     robots: int = 4,

@@ -3,9 +3,7 @@
 import cmath
 import copy
 import math
-import tempfile
 from functools import cache
-from pathlib import Path
 from typing import NamedTuple
 
 import msgspec
@@ -14,19 +12,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deploy.rehearsal import rehearse
-from deploy.scenario_file import to_toml
 from swarm_agent.behaviour import Heard
 from swarm_agent.behaviours.sweep_line import SweepLine
 from swarm_agent.sweep.radio import Beacon, Measured
-from tests.clear_builders import NOSE, sweeping
 from tests.hostile_beacons import absurd
+from tests.sweep_play import Play, column, in_line, lined_up, play
 from wire import codec
+from wire.fields import Point
 from wire.messages import Percept, Senses
-from wire.scenario import Cluster, PlannedFault
+from wire.scenario import PlannedFault
 
 BEACON = codec.decoder(Beacon)
 TICKS = 3
+NOSE: tuple[Point, ...] = ((0, 0), (3, 0), (3, 1.6), (1.5, 1.6), (1.5, 2), (3, 2), (3, 3.6), (0, 3.6))
+HALL: tuple[Point, ...] = ((0, 0), (4, 0), (4, 2.4), (0, 2.4))
 
 
 class Moment(NamedTuple):
@@ -39,31 +38,27 @@ class Moment(NamedTuple):
 
 @cache
 def moments() -> list[Moment]:
-    """Robots in every role and state that two short runs bring about: a split, a kill, a new beginning."""
+    """Robots in every role and state of three short runs: a split, a search, a kill and a new beginning."""
     found: dict[tuple, Moment] = {}
 
-    def watch(commit, swarm) -> None:
-        for grant in commit.grants:
-            mind = swarm._minds[grant.node]._behaviour
-            if isinstance(mind, SweepLine):
-                one = mind.robot
-                state = (
-                    one.role,
-                    one.stage,
-                    one.pinned,
-                    one.ready,
-                    one.is_main,
-                    one.order > 0,
-                    one.order < 0,
-                )
-                if state not in found and one.peers.known:
-                    found[state] = Moment(copy.deepcopy(mind), commit.tick, grant.senses)
+    def watch(course: Play) -> None:
+        lined_up(course, line)
+        if searched and course.tick == 20:
+            course.robots[line + 1].order = 2
+        for number, mind in course.minds.items():
+            one = mind.robot
+            state = (one.role, one.stage, one.pinned, one.ready, one.is_main, one.order > 0, one.order < 0)
+            if state not in found and one.peers.known:
+                found[state] = Moment(copy.deepcopy(mind), course.tick, course.senses[number])
 
-    cut = PlannedFault(30.0, "kill", ("r2", "r3", "r4"))
-    for robots, last_tick, faults in ((7, 360, ()), (6, 260, (cut,))):
-        given_run = sweeping(robots, rings_m=(NOSE,), start=Cluster(0.4, 0.4), faults=faults)
-        with tempfile.TemporaryDirectory() as folder:
-            rehearse(given_run, to_toml(given_run), Path(folder), last_tick, watch, journalled=False)
+    for line, searched, rings_m, faults, last_tick in (
+        (5, False, (NOSE,), (), 180),
+        (3, True, (HALL,), (), 60),
+        (3, False, (HALL,), (PlannedFault(5.0, "kill", ("r3",)),), 60),
+    ):
+        width_m = rings_m[0][-1][1]
+        given_run = in_line(rings_m, column(0.35, width_m, line), [(0.12, 1.0), (0.12, 1.6)], faults=faults)
+        play(given_run, last_tick, watch)
     return list(found.values())
 
 

@@ -19,7 +19,7 @@ class Captain:
 
     def __init__(self) -> None:
         self.beginnings = 0
-        self._order_tick = self._main_tick = self._rounds = 0
+        self._order_tick = self._main_tick = self._complete_tick = self._rounds = 0
         self._robots = 0
 
     def command(self, robot: Robot) -> str:
@@ -75,12 +75,13 @@ class Captain:
         spare = told.spare + robot.flows["right"].spare if robot.flows["right"] else told.spare
         others = sum(edge.robots for edge in robot.graph.lines().values())
         coming = robot.team - robot.count - spare - others
+        self._complete_tick = 0 if coming > 0 else self._complete_tick or robot.tick
         wait = self._settled(robot)
         if spare or told.pinned:
             wait += 2 * ORDER_TICKS
         if coming > 0:
             wait = robot.parameters.patience_ticks
-        return robot.tick - max(robot.last_moved(), self._main_tick) > wait
+        return robot.tick - max(robot.last_moved(), self._main_tick, self._complete_tick) > wait
 
     def _has_slack(self, robot: Robot) -> bool:
         """Could the robot beside the captain leave the line?"""

@@ -1,0 +1,81 @@
+"""Robots of a line that fall silent: the link closes over them, or the team begins again."""
+
+from swarm_agent.sweep.radio import WALL
+from tests.sweep_play import MET_TICK, Play, column, in_line, lined_up, play
+from wire.fields import Point
+from wire.scenario import PlannedFault
+
+NARROW: tuple[Point, ...] = ((0, 0), (3, 0), (3, 1.8), (0, 1.8))
+"""Where two leaders are near enough to each other without the robot between them."""
+BROAD: tuple[Point, ...] = ((0, 0), (3, 0), (3, 2.4), (0, 2.4))
+KILL_TICK, DEAD_TICKS, TICK_S = 20, 6, 0.25
+
+
+def killed(node: str) -> tuple[PlannedFault, ...]:
+    return (PlannedFault(KILL_TICK * TICK_S, "kill", (node,)),)
+
+
+def until_done(course: Play) -> bool:
+    lined_up(course, 3)
+    return course.tick > MET_TICK and all(robot.claim for robot in course.robots.values())
+
+
+def test_a_link_closes_over_one_that_has_fallen_silent():
+    """Source: specs of mission clear, 3.11: T_dead, close ranks, the reserve inserts."""
+    given = in_line((NARROW,), column(0.35, 1.8, 3), [(0.12, 0.9)], faults=killed("r3"))
+
+    def watch(course: Play) -> bool:
+        course.note("closed", course.tick > KILL_TICK and course.line() == [2, 4])
+        course.note("filled", "closed" in course.seen and course.line() == [2, 5, 4])
+        return until_done(course)
+
+    course = play(given, 400, watch)
+    assert KILL_TICK + DEAD_TICKS - 1 <= course.seen["closed"] <= KILL_TICK + DEAD_TICKS + 3
+    assert "filled" in course.seen
+    assert course.told("restart") == [] and course.breaches() == []
+    assert {robot.claim for robot in course.robots.values()} == {"done"}
+    assert course.facts[-1].clearing.contaminated_m2 < 1e-7
+    assert all(3 in robot.dead for robot in course.robots.values())
+
+
+def test_the_neighbour_of_a_leader_that_has_fallen_silent_takes_its_wall_if_it_sees_it():
+    """Source: specs of mission clear, 3.11; slots are packed to the left, away from it."""
+    given = in_line((NARROW,), column(0.35, 1.8, 3), [(0.12, 0.9)], faults=killed("r4"))
+
+    def watch(course: Play) -> bool:
+        course.note("taken", course.tick > KILL_TICK and course.robots[3].beside["right"] == WALL)
+        return until_done(course)
+
+    course = play(given, 400, watch)
+    assert KILL_TICK + DEAD_TICKS - 1 <= course.seen["taken"] <= KILL_TICK + DEAD_TICKS + 3
+    assert course.told("restart") == [] and course.breaches() == []
+    assert course.facts[-1].clearing.contaminated_m2 < 1e-7
+
+
+def test_where_no_link_closes_the_team_begins_again():
+    """Source: specs of mission clear, 3.11: the region behind is contaminated; a restart."""
+    given = in_line((BROAD,), column(0.35, 2.4, 3), [(0.12, 0.9), (0.12, 1.5)], faults=killed("r3"))
+
+    def watch(course: Play) -> bool:
+        lined_up(course, 3)
+        begun = course.told("restart")
+        assert any(robot.epoch for robot in course.robots.values()) == bool(begun)
+        if not course.note("all know", begun and all(robot.epoch for robot in course.robots.values())):
+            return False
+        return course.note("first line", len(course.line()) >= 2)
+
+    course = play(given, 400, watch)
+    first = course.told("restart")[0]
+    assert KILL_TICK + DEAD_TICKS - 1 <= first <= KILL_TICK + DEAD_TICKS + 3
+    assert first < course.seen["all know"] < first + 10
+    assert "first line" in course.seen
+    assert {robot.team for robot in course.robots.values()} == {4}
+    graphs = [robot.graph for robot in course.robots.values() if robot.is_main]
+    assert all(graph.cleared() == frozenset() and len(graph.vertices()) == 2 for graph in graphs)
+
+
+def test_of_the_reserve_one_that_dies_is_not_missed():
+    given = in_line((NARROW,), column(0.35, 1.8, 3), [(0.12, 0.9)], faults=killed("r5"))
+    course = play(given, 400, until_done)
+    assert course.told("restart") == [] and course.breaches() == []
+    assert {robot.claim for robot in course.robots.values()} == {"done"}
