@@ -20,6 +20,7 @@ STRAIGHT_RAD = 1.8 * math.pi  # larger angles are noise around zero
 ALIKE_RAD = 0.01
 LOST_M = 0.2  # a leader that finds no wall so near to where it was before does not know its wall any more
 BODIES_M = 0.36
+HOLD_M = 0.5  # a leader goes no farther from its wall
 FARTHEST_M = 0.45  # from its wall, for who comes near to it again while it goes
 ASIDE_DEG = (0, 20, 40, 60, 80, 100)
 APART_M, TOGETHER_M = 0.34, 0.25
@@ -50,7 +51,7 @@ def lead(robot: Robot, outlook: Outlook) -> complex:
 
 
 def _go(robot: Robot, way: complex, hand: Side) -> complex:
-    """That way along the wall on one hand, or as near to it, away from the wall, as links and others allow."""
+    """That way along the wall, or one near to it, away from the wall, that links and others allow."""
     inward = -1 if hand == "left" else 1
     for aside_deg in ASIDE_DEG:
         some = way * cmath.exp(1j * inward * math.radians(aside_deg))
@@ -69,7 +70,7 @@ def may_grow(robot: Robot, other_rad: float) -> bool:
 def touch(robot: Robot) -> None:
     """Find the place of its wall again that is nearest now.
 
-    What counts is the same wall, without a jump between the rays: another one, however near, would leave a gap
+    What counts is the same wall, without a jump between rays: another one, however near, would leave a gap
     between the two that nobody sees.
     """
     ends, near = _around(robot)
@@ -108,10 +109,8 @@ def along_wall(robot: Robot, hand: Side) -> complex:
 
 
 def _stays_at_wall(robot: Robot, way: complex) -> bool:
-    """Is it still beside its wall after that way?"""
-    return (
-        abs(robot.here + way - robot.contact) <= max(_keep_m(robot), abs(robot.here - robot.contact)) + LOST_M
-    )
+    """Is it still beside its wall after that way, or at least no farther from it?"""
+    return abs(robot.here + way - robot.contact) <= max(HOLD_M, abs(robot.here - robot.contact))
 
 
 def _keep_m(robot: Robot) -> float:

@@ -20,6 +20,7 @@ FILE_M, LEADER_FILE_M = 0.36, 0.5
 NEAR_M, HEARD_M, FAR_M = 0.6, 1.2, 1.9
 BODY_WIDTH_M = 0.13
 CRUMB_M = 0.04
+BARRED_TICKS = 40
 DETOUR_M = 0.2  # who stood far behind would bend the line around walls that it has passed
 TRAVEL_M, TRAVEL_KEEP_M = 0.2, 0.25
 MOST_TAIL = 50
@@ -95,7 +96,8 @@ class Reserve:
                 abs(left.here - robot.here) + abs(right.here - robot.here) - abs(left.here - right.here)
             )
             holds = min(robot.link_m(left, "left"), robot.link_m(right, "right")) >= BARELY_M
-            if holds and detour_m <= DETOUR_M:
+            barred = robot.tick - self._asked_tick > wait + BARRED_TICKS * robot.parameters.hop_ticks
+            if holds and (detour_m <= DETOUR_M or barred):
                 ask_in(robot, left, right)
                 return 0j
             middles.append((left.here + right.here) / 2)
