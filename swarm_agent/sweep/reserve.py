@@ -10,7 +10,7 @@ from swarm_agent.sweep.gait import toward
 from swarm_agent.sweep.geometry import NOTHING, clearance_m, nearest, roll, unit
 from swarm_agent.sweep.links import BARELY_M, ask_in
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, Side
+from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, Side
 from swarm_agent.sweep.robot import UNRANKED, Robot
 
 ROOM_M = {"leader": 0.4, "reserve": 0.26, "free": 0.26}
@@ -243,16 +243,3 @@ def _lines(robot: Robot) -> np.ndarray:
         if peer.beacon.role == "leader":
             places.append(peer.here + np.linspace(0, 1, 5) * (peer.wall - peer.here))
     return np.concatenate(places) if places else NOTHING
-
-
-def in_front(robot: Robot) -> bool:
-    """Does it stand on the contaminated side of a line that is near?"""
-    for peer in robot.peers.known.values():
-        if peer.beacon.role in BARRIER:
-            for side in SIDES:
-                other = robot.peer(peer.beacon.beside(side))
-                if other is not None and other.here != peer.here:
-                    link = (other.here - peer.here) * (1 if side == "right" else -1)
-                    if ((robot.here - peer.here) / link).imag > 0:
-                        return True
-    return False
