@@ -74,8 +74,11 @@ class Beginning:
             return 0j
         if robot.tick - robot.born < SETTLE_TICKS * robot.parameters.hop_ticks:
             return 0j
-        own = (_free_rays(robot.ranges_m), robot.number)
-        if any(one.beacon.role == "leader" or (_free_rays(one.ranges_m), one.number) < own for one in known):
+        own = (*_openness(robot, robot.ranges_m), robot.number)
+        if any(
+            one.beacon.role == "leader" or (*_openness(robot, one.ranges_m), one.number) < own
+            for one in known
+        ):
             return 0j
         return self._form(robot)
 
@@ -170,6 +173,10 @@ def _candidates(robot: Robot) -> list[Peer]:
     ]
 
 
-def _free_rays(ranges_m: np.ndarray) -> int:
-    """How many rays meet no wall: fewest for who stands deepest in a corner, with nobody in its way there."""
-    return int(np.isinf(ranges_m).sum())
+def _openness(robot: Robot, ranges_m: np.ndarray) -> tuple[bool, int]:
+    """Is a wall out of reach, and how many rays meet none: least for who stands deepest in a corner.
+
+    Nobody is in that one's way there.
+    """
+    far = float(ranges_m.min()) > robot.parameters.obstacle_m + robot.body_m / 2
+    return far, int(np.isinf(ranges_m).sum())
