@@ -22,7 +22,7 @@ Line = Sequence[Point]
 
 
 def whole_lines(robots: dict[str, tuple[str, str, Point, Point]]) -> list[Line]:
-    """All lines from wall to wall. `robots`: by name who is on its left and right, its place, and its wall."""
+    """All lines from wall to wall. `robots`: by name who is on its left and right, its place, its wall."""
     lines = []
     for name, (left, *_) in robots.items():
         chain: list[str] = []
