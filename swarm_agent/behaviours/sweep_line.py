@@ -171,6 +171,7 @@ class SweepLine(Behaviour):
             wall.real,
             wall.imag,
             robot.stage,
+            robot.meets,
             robot.epoch,
             robot.anchor,
             robot.courier,

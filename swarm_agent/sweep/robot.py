@@ -62,6 +62,7 @@ class Robot:
         self.linked_tick = self.held_tick = self.tick
         self.line, self.since = 0, -1
         self.pinned = self.halt = self.close = self.ready = False
+        self.meets = NOBODY
         self.obstacle: complex | None = None
         self.open = True
         self.order, self.taut, self.pushed, self.angle_rad = 0, 0, self.tick, 0.0
