@@ -174,7 +174,7 @@ class SweepLine(Behaviour):
             robot.meets,
             robot.epoch,
             robot.anchor,
-            robot.courier,
+            robot.couriers,
             tuple(sorted(robot.dead)),
             tuple(sorted(robot.gone)),
             version,
@@ -198,6 +198,7 @@ class SweepLine(Behaviour):
             tuple(one for one in robot.events if one != "closed"),
             codec.encode(robot.graph.delta_since(NOTHING)) if wrote else b"",
             (wall.real, wall.imag) if robot.role == "leader" else (0.0, 0.0),
+            robot.epoch,
         )
 
 

@@ -2,7 +2,7 @@
 
 The first line is two leaders at one place of a wall, so close that nothing is between them and the wall that
 they do not see. After a loss that cannot be mended, or when no line can go on, one robot is the anchor: all
-others that hear of it come to it, and a courier goes round the walls to tell those who are far.
+others that hear of it come to it, and two couriers go round the walls, each its way, to tell who is far.
 """
 
 import math
@@ -11,7 +11,7 @@ import numpy as np
 
 from swarm_agent.sweep.geometry import nearest, turn_rad, unit
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import WALL
+from swarm_agent.sweep.radio import MOST, WALL
 from swarm_agent.sweep.reserve import Reserve, travel
 from swarm_agent.sweep.robot import Robot
 
@@ -19,6 +19,7 @@ SETTLE_TICKS, SECOND_TICKS = 6, 150
 BESIDE_M, BESIDE_MOST_M, WALL_MOST_M = 0.3, 0.55, 0.4
 CORNER_STEPS, CORNER_RAD = 24, math.radians(60)
 WALK_M, WALK_MOST_M = 4.0, 12.0
+COURIERS = 2
 
 
 class Beginning:
@@ -38,13 +39,14 @@ class Beginning:
             robot.gone.update(beacon.gone)
             newer = beacon.epoch > robot.epoch
             if newer or (beacon.epoch == robot.epoch and 0 < beacon.anchor < robot.anchor):
-                robot.epoch, robot.anchor, robot.courier = beacon.epoch, beacon.anchor, beacon.courier
+                robot.epoch, robot.anchor, robot.couriers = beacon.epoch, beacon.anchor, beacon.couriers
                 robot.become("reserve", "gone")
                 reserve.begin(robot)
                 reserve.gone_round = False
                 robot.claim = ""
-                if robot.number == robot.courier or peer.number == robot.courier:
-                    reserve.hand = "right"
+                for courier, hand in zip(robot.couriers, ("right", "left"), strict=False):
+                    if courier in (robot.number, peer.number):
+                        reserve.hand = hand
 
     def again(self, robot: Robot) -> None:
         """All that was clear is given up, here and now; this robot is the anchor."""
@@ -53,11 +55,11 @@ class Beginning:
             graph.release(None)
         while lines := graph.lines():
             graph.release(min(lines))
-        near = [peer.number for peer in robot.peers.known.values()]
-        near = near if len(near) + 1 < robot.team else []
+        near = sorted(peer.number for peer in robot.peers.known.values())
+        couriers = tuple(near[-COURIERS:]) if len(near) + 1 < robot.team else ()
         robot.become("anchor", "gathering")
         robot.contact = nearest(robot.hits, robot.here) or robot.here
-        robot.epoch, robot.anchor, robot.courier = robot.epoch + 1, robot.number, max(near, default=0)
+        robot.epoch, robot.anchor, robot.couriers = robot.epoch + 1, robot.number, couriers
         robot.claim = ""
         robot.events.append("restart")
         self.beginnings += 1
@@ -74,13 +76,21 @@ class Beginning:
             return 0j
         if robot.tick - robot.born < SETTLE_TICKS * robot.parameters.hop_ticks:
             return 0j
-        own = (*_openness(robot, robot.ranges_m), robot.number)
-        if any(
-            one.beacon.role == "leader" or (*_openness(robot, one.ranges_m), one.number) < own
-            for one in known
-        ):
+        if any(one.beacon.role == "leader" for one in known) or not self._is_first(robot):
+            robot.stage = ""
             return 0j
+        robot.stage = "forming"
         return self._form(robot)
+
+    def _is_first(self, robot: Robot) -> bool:
+        """Is it the one to form a line: of those who have begun to, else of all, who stands deepest?"""
+        known = robot.peers.known.values()
+        begun = [one for one in known if one.beacon.role == "free" and one.beacon.stage == "forming"]
+        if begun or robot.stage == "forming":
+            return robot.stage == "forming" and robot.number < min((one.number for one in begun), default=MOST)
+        told_m = robot.eye.unpacked(robot.eye.packed(robot.ranges_m))  # as the others have it
+        own = (*_openness(robot, told_m), robot.number)
+        return all((*_openness(robot, one.ranges_m), one.number) > own for one in known)
 
     def gather(self, robot: Robot) -> complex:
         """The anchor: it walks on to a corner if this is not the first time, waits for all, and forms."""

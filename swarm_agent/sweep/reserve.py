@@ -48,7 +48,7 @@ class Reserve:
         room = _make_room(robot)
         if room:
             return room
-        if robot.courier == robot.number:
+        if robot.number in robot.couriers:
             robot.ahead, robot.rank = NOBODY, UNRANKED
             return self._carry_word(robot)
         robot.tail = min(MOST_TAIL, 1 + _followers(robot))
@@ -64,21 +64,21 @@ class Reserve:
         return _follow(robot, leader)
 
     def _go_round(self, robot: Robot) -> complex:
-        """Travel; who meets another and comes no farther turns round, the courier last."""
+        """Travel; who meets another and comes no farther turns round, couriers last."""
         if abs(robot.here - self._place) > STALLED_M:
             self._place, self._place_tick = robot.here, robot.tick
-        patience = STALLED_TICKS * (4 if robot.courier == robot.number else 1)
+        patience = STALLED_TICKS * (4 if robot.number in robot.couriers else 1)
         if robot.tick - self._place_tick > patience:
             self.hand, self._place_tick = OTHER[self.hand], robot.tick
         return travel(robot, self.hand)
 
     def _carry_word(self, robot: Robot) -> complex:
-        """The courier goes once round the walls, back to the anchor."""
-        anchor = robot.peer(robot.anchor)
-        if anchor is None:
+        """A courier goes round the walls until it meets the other one, or is back at the anchor."""
+        met = [peer for number in (robot.anchor, *robot.couriers) if (peer := robot.peer(number))]
+        if not met:
             self.gone_round = True
-        elif self.gone_round:
-            robot.courier = NOBODY
+        elif self.gone_round and any(_is_in_sight(robot, peer) for peer in met):
+            robot.couriers = ()
         return self._go_round(robot)
 
     def _travel(self, robot: Robot) -> complex:
@@ -198,6 +198,11 @@ def _choose(robot: Robot) -> Peer | None:
     better = [one for one in reach if one[0] < robot.rank or robot.rank >= UNRANKED]
     robot.crumbs = []
     return min(better, key=lambda one: (one[0] > 0, one[1]))[2] if better else None
+
+
+def _is_in_sight(robot: Robot, peer: Peer) -> bool:
+    """Is it not heard through a wall only?"""
+    return abs(peer.here - robot.here) < HEARD_M and _is_clear(robot, peer)
 
 
 def _is_clear(robot: Robot, peer: Peer) -> bool:

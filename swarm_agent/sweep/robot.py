@@ -48,7 +48,8 @@ class Robot:
         """Numbers of lines that have dissolved where they stood."""
         self.events: list[str] = []
         self.claim = ""
-        self.epoch = self.anchor = self.courier = 0
+        self.epoch = self.anchor = 0
+        self.couriers: tuple[int, ...] = ()
         self.moved = 0
         self.contact = 0j
         self.become("free")
@@ -62,7 +63,7 @@ class Robot:
         self.linked_tick = self.held_tick = self.tick
         self.line, self.since = 0, -1
         self.pinned = self.halt = self.close = self.ready = False
-        self.meets = NOBODY
+        self.meets, self.met_tick, self.other_met_tick = NOBODY, self.tick, NEVER
         self.obstacle: complex | None = None
         self.open = True
         self.order, self.taut, self.pushed, self.angle_rad = 0, 0, self.tick, 0.0
@@ -257,4 +258,4 @@ class Robot:
         return 0j
 
 
-UNRANKED = 9999
+UNRANKED, NEVER = 9999, -1_000_000
