@@ -15,7 +15,7 @@ from swarm_agent.sweep.radio import MOST, WALL
 from swarm_agent.sweep.reserve import Reserve, travel
 from swarm_agent.sweep.robot import Robot
 
-SETTLE_TICKS, SECOND_TICKS = 6, 150
+SETTLE_TICKS, SECOND_TICKS = 6, 40
 BESIDE_M, BESIDE_MOST_M, WALL_MOST_M = 0.3, 0.55, 0.4
 CORNER_STEPS, CORNER_RAD = 24, math.radians(60)
 WALK_M, WALK_MOST_M = 4.0, 12.0
@@ -30,6 +30,8 @@ class Beginning:
         self._anchor_tick = self._chosen_tick = 0
         self._walked_m = 0.0
         self._ways: list[complex] = []
+        self._asked: list[int] = []
+        """Who did not come when it was asked to be the second leader."""
 
     def hear(self, robot: Robot, reserve: Reserve) -> None:
         """Take over who is dead, and that the team begins again."""
@@ -110,9 +112,10 @@ class Beginning:
         if other is not None and other.beacon.left == robot.number:
             robot.stage = ""
         elif other is None or robot.tick - self._chosen_tick > SECOND_TICKS:
-            near = _candidates(robot)
+            near = [one for one in _candidates(robot) if one.number not in self._asked]
+            self._asked = [*self._asked, robot.beside["right"]] if near else []
             if near:
-                robot.beside["right"] = near[robot.tick // SECOND_TICKS % len(near)].number
+                robot.beside["right"] = _nearest_to_spot(robot, near).number
             self._chosen_tick = robot.tick
 
     def second(self, robot: Robot) -> complex | None:
@@ -140,12 +143,10 @@ class Beginning:
             return robot.best(wall - robot.here, holds=False, wall_m=0.1)
         near = _candidates(robot)
         if near:
-            spot = robot.here - 1j * unit(robot.here - wall) * BESIDE_M
-            other = min(near, key=lambda one: abs(one.here - spot))
             robot.become("leader", "forming")
-            robot.beside = {"left": WALL, "right": other.number}
             robot.since, robot.contact = robot.tick, wall
-            self._chosen_tick = robot.tick
+            robot.beside = {"left": WALL, "right": _nearest_to_spot(robot, near).number}
+            self._chosen_tick, self._asked = robot.tick, []
         return 0j
 
     def _second(self, robot: Robot) -> complex | None:
@@ -171,6 +172,12 @@ def _stand_beside(robot: Robot, first: Peer) -> complex:
         robot.graph.begin(2)
         return 0j
     return robot.best(first.here + right * BESIDE_M - robot.here, holds=False)
+
+
+def _nearest_to_spot(robot: Robot, peers: list[Peer]) -> Peer:
+    """Who is nearest to the place of the second leader."""
+    spot = robot.here - 1j * unit(robot.here - robot.contact) * BESIDE_M
+    return min(peers, key=lambda one: abs(one.here - spot))
 
 
 def _candidates(robot: Robot) -> list[Peer]:
