@@ -11,8 +11,8 @@ import numpy as np
 
 from swarm_agent.sweep.geometry import nearest, turn_rad, unit
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import MOST, WALL
-from swarm_agent.sweep.reserve import Reserve, travel
+from swarm_agent.sweep.radio import MOST, OTHER, SIDES, WALL
+from swarm_agent.sweep.reserve import Reserve, is_clear, travel
 from swarm_agent.sweep.robot import Robot
 
 SETTLE_TICKS, SECOND_TICKS = 6, 40
@@ -44,11 +44,13 @@ class Beginning:
                 robot.epoch, robot.anchor, robot.couriers = beacon.epoch, beacon.anchor, beacon.couriers
                 robot.become("reserve", "gone")
                 reserve.begin(robot)
-                reserve.gone_round = False
+                reserve.underway = reserve.gone_round = False
                 robot.claim = ""
-                for courier, hand in zip(robot.couriers, ("right", "left"), strict=False):
-                    if courier in (robot.number, peer.number):
+                for courier, hand in zip(robot.couriers, SIDES, strict=False):
+                    if courier == robot.number:
                         reserve.hand = hand
+                    elif courier == peer.number:
+                        reserve.hand = OTHER[hand]  # back the way that the courier came
 
     def again(self, robot: Robot) -> None:
         """All that was clear is given up, here and now; this robot is the anchor."""
@@ -57,8 +59,10 @@ class Beginning:
             graph.release(None)
         while lines := graph.lines():
             graph.release(min(lines))
-        near = sorted(peer.number for peer in robot.peers.known.values())
-        couriers = tuple(near[-COURIERS:]) if len(near) + 1 < robot.team else ()
+        near = sorted(
+            robot.peers.known.values(), key=lambda one: (not is_clear(robot, one), abs(one.here - robot.here))
+        )
+        couriers = tuple(one.number for one in near[:COURIERS]) if len(near) + 1 < robot.team else ()
         robot.become("anchor", "gathering")
         robot.contact = nearest(robot.hits, robot.here) or robot.here
         robot.epoch, robot.anchor, robot.couriers = robot.epoch + 1, robot.number, couriers
@@ -89,7 +93,9 @@ class Beginning:
         known = robot.peers.known.values()
         begun = [one for one in known if one.beacon.role == "free" and one.beacon.stage == "forming"]
         if begun or robot.stage == "forming":
-            return robot.stage == "forming" and robot.number < min((one.number for one in begun), default=MOST)
+            return robot.stage == "forming" and robot.number < min(
+                (one.number for one in begun), default=MOST
+            )
         told_m = robot.eye.unpacked(robot.eye.packed(robot.ranges_m))  # as the others have it
         own = (*_openness(robot, told_m), robot.number)
         return all((*_openness(robot, one.ranges_m), one.number) > own for one in known)

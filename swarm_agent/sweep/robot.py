@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from swarm_agent.surveillance_graph import SurveillanceGraph
-from swarm_agent.sweep.geometry import clearance_m, shortened
+from swarm_agent.sweep.geometry import clearance_m, crosses, shortened
 from swarm_agent.sweep.peers import Eye, Peer, Peers
-from swarm_agent.sweep.radio import BARRIER, NOBODY, SIDES, WALL, Flow, Role, Side, Stage
+from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, WALL, Flow, Role, Side, Stage
 from wire.channels import number_of
 from wire.messages import Configuration
 
@@ -215,6 +215,8 @@ class Robot:
                     return False
                 if abs(peer.here - there) < TURNED_M and self._turns_over(peer, there):
                     return False
+            if self._is_crossed(there) and not self._is_crossed(self.here):
+                return False
         if len(self.hits):
             wall_there_m = float(np.abs(self.hits - there).min())
             if wall_there_m < wall_m and wall_there_m < float(np.abs(self.hits - self.here).min()):
@@ -236,6 +238,22 @@ class Robot:
             angle = abs(cmath.phase((other - after) / (wall - after)))
             angle_before = abs(cmath.phase((was - before) / (wall - before)))
             if angle < TURNED_RAD and angle < angle_before:
+                return True
+        return False
+
+    def _is_crossed(self, there: complex) -> bool:
+        """Would the second link of a line cross the way from its leader to its wall?"""
+        for side in SIDES:
+            end, other = self.neighbour(OTHER[side]), self.neighbour(side)
+            if other is None:
+                continue
+            if self.beside[OTHER[side]] == WALL:
+                beyond = self.peer(other.beacon.beside(side))
+                crossed = beyond and crosses(other.here, beyond.here, there, self.contact)
+            else:
+                is_end = end is not None and end.beacon.beside(OTHER[side]) == WALL
+                crossed = is_end and crosses(there, other.here, end.here, end.wall)
+            if crossed:
                 return True
         return False
 
