@@ -27,7 +27,7 @@ class Beginning:
 
     def __init__(self) -> None:
         self.beginnings = 0
-        self._anchor_tick = self._chosen_tick = 0
+        self._arrival_tick = self._chosen_tick = self._most_here = 0
         self._walked_m = 0.0
         self._ways: list[complex] = []
         self._asked: list[int] = []
@@ -69,7 +69,7 @@ class Beginning:
         robot.claim = ""
         robot.events.append("restart")
         self.beginnings += 1
-        self._anchor_tick, self._walked_m, self._ways = robot.tick, 0.0, []
+        self._arrival_tick, self._most_here, self._walked_m, self._ways = robot.tick, 0, 0.0, []
 
     def first(self, robot: Robot) -> complex:
         """A robot at the start: the one with most walls around it forms the first line with another."""
@@ -104,10 +104,12 @@ class Beginning:
         """The anchor: it walks on to a corner if this is not the first time, waits for all, and forms."""
         if self.beginnings > 1 and self._walked_m < WALK_MOST_M:
             return self._walk(robot)
-        waited = robot.tick - self._anchor_tick
         here = 1 + sum(
             peer.beacon.tail for peer in robot.peers.known.values() if peer.beacon.ahead == robot.number
         )
+        if here > self._most_here:
+            self._most_here, self._arrival_tick = here, robot.tick
+        waited = robot.tick - self._arrival_tick
         if here < 2 or (here < robot.team and waited < robot.parameters.patience_ticks):
             return 0j
         return self._form(robot)
