@@ -20,6 +20,7 @@ BESIDE_M, BESIDE_MOST_M, WALL_MOST_M = 0.3, 0.55, 0.4
 CORNER_STEPS, CORNER_RAD = 24, math.radians(60)
 WALK_M, WALK_MOST_M = 4.0, 12.0
 COURIERS = 2
+GATHER = 2  # times the patience, for the first to come has the longest way
 
 
 class Beginning:
@@ -110,7 +111,7 @@ class Beginning:
         if here > self._most_here:
             self._most_here, self._arrival_tick = here, robot.tick
         waited = robot.tick - self._arrival_tick
-        if here < 2 or (here < robot.team and waited < robot.parameters.patience_ticks):
+        if here < 2 or (here < robot.team and waited < GATHER * robot.parameters.patience_ticks):
             return 0j
         return self._form(robot)
 
