@@ -37,6 +37,7 @@ SAID = Beacon(
     anchor=0,
     meets=0,
     couriers=(),
+    hand="left",
     dead=(),
     gone=(),
     version=NOTHING,

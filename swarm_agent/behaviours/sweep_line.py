@@ -37,8 +37,8 @@ class Parameters(BaseParameters, frozen=True):
     A robot leaves a line whose neighbours are `slack_m` nearer than they may be. `choose`: which part of a
     split line moves on, the one with more or with fewer robots. `team`: how many robots there are; None: all
     of the scenario. `dead_ticks`: who is silent for longer is dead. `hop_ticks`: how long a frame takes.
-    `patience_ticks`: how long to wait for one more robot that should come; `beginnings`: how often to begin again
-    elsewhere before the team says that it failed.
+    `patience_ticks`: how long to wait for one more robot that should come; `beginnings`: how often to begin
+    again elsewhere before the team says that it failed.
     """
 
     follow_m: Metres = 1.0
@@ -175,6 +175,7 @@ class SweepLine(Behaviour):
             robot.epoch,
             robot.anchor,
             robot.couriers,
+            self.reserve.hand,
             tuple(sorted(robot.dead)),
             tuple(sorted(robot.gone)),
             version,

@@ -42,7 +42,7 @@ class Reserve:
     def begin(self, robot: Robot) -> None:
         """It has just left a line."""
         self.hand = "left"
-        robot.contact = nearest(robot.hits, robot.here) or robot.here
+        robot.contact = robot.nearest_wall() or robot.here
 
     def way(self, robot: Robot) -> complex:
         """Where to go now. It may ask to come into the line instead."""
@@ -74,7 +74,7 @@ class Reserve:
         return travel(robot, self.hand)
 
     def _carry_word(self, robot: Robot) -> complex:
-        """A courier goes round the walls, from the anchor, until it meets the other one, or the anchor again."""
+        """A courier goes round the walls from the anchor, until it meets the other one, or the anchor."""
         if not self.underway:
             return self._depart(robot)
         met = [peer for number in (robot.anchor, *robot.couriers) if (peer := robot.peer(number))]
@@ -85,15 +85,15 @@ class Reserve:
         return self._go_round(robot)
 
     def _depart(self, robot: Robot) -> complex:
-        """Both couriers begin at the wall of the anchor, on each side of it, else they might go the same way."""
+        """Couriers begin at the wall of the anchor, on each side of it, else they might go the same way."""
         anchor = robot.peer(robot.anchor)
         stalled = robot.tick - robot.since_role > STALLED_TICKS * robot.parameters.hop_ticks
         if anchor is None or stalled:
-            self.underway = True
+            self.underway, robot.contact = True, robot.nearest_wall() or robot.contact
             return 0j
         ahead = unit(anchor.wall - anchor.here) * (-1j if self.hand == "left" else 1j)
         place = anchor.here + DEPART_M * ahead
-        if abs(place - robot.here) < DEPART_M / 2:
+        if anchor.wall != anchor.here and abs(place - robot.here) < DEPART_M / 2:
             self.underway, robot.contact = True, anchor.wall
         return toward(robot, place)
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from swarm_agent.surveillance_graph import SurveillanceGraph
-from swarm_agent.sweep.geometry import clearance_m, crosses, shortened
+from swarm_agent.sweep.geometry import clearance_m, crosses, nearest, shortened
 from swarm_agent.sweep.peers import Eye, Peer, Peers
 from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, WALL, Flow, Role, Side, Stage
 from wire.channels import number_of
@@ -148,6 +148,11 @@ class Robot:
     def walls(self, *peers: Peer) -> np.ndarray:
         """The places of walls that it sees, and that some others see."""
         return np.concatenate((self.hits, *(peer.hits for peer in peers)))
+
+    def nearest_wall(self) -> complex | None:
+        """The nearest place of a wall that it sees, or else that others see."""
+        own = nearest(self.hits, self.here)
+        return own if own is not None else nearest(self.walls(*self.peers.known.values()), self.here)
 
     def margin_m(self, left: complex, right: complex, walls: np.ndarray) -> float:
         """How well a link holds; at least a step is as good as any more."""
