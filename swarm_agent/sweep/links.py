@@ -18,7 +18,8 @@ def tend(robot: Robot) -> str:
     robot.refused = {
         one for one in robot.refused if (peer := robot.peer(one)) and peer.beacon.role == "joining"
     }
-    for number in [number for number in robot.old if _is_free_of(robot, number)]:
+    beside = robot.beside.values()
+    for number in [number for number in robot.old if number in beside or _is_free_of(robot, number)]:
         del robot.old[number]
     if robot.role == "joining":
         _come_in(robot)
