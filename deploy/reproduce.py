@@ -7,8 +7,8 @@ from pathlib import Path
 Reader = Callable[[str], int | float]
 
 
-def add_parser(commands: argparse._SubParsersAction, some: Reader, positive: Reader) -> None:
-    """Add the command. `some` reads a whole number >= 1, `positive` a number > 0."""
+def add_parser(commands: argparse._SubParsersAction, some: Reader, maybe: Reader, positive: Reader) -> None:
+    """Add the command. `some` reads a whole number >= 1, `maybe` one >= 0, `positive` a number > 0."""
     reproduce = commands.add_parser("reproduce", help="run what a paper ran, its tables beside ours")
     studies = reproduce.add_subparsers(required=True, metavar="STUDY", dest="study")
     line = studies.add_parser("line-patrol", help="a line kept for days by robots whose batteries last hours")
@@ -29,7 +29,14 @@ def add_parser(commands: argparse._SubParsersAction, some: Reader, positive: Rea
     files = "a .graph file of patrolling_sim or a TOML file of ours (default: the 5 x 5 map grid)"
     graphs.add_argument("files", nargs="*", type=Path, metavar="FILE", help=files)
     graphs.set_defaults(do=_graphs)
-    for study in (line, area, graphs):
+    pursuit = studies.add_parser("pursuit-evasion", help="unknown floor plans cleared by lines of robots")
+    pursuit.add_argument("--trials", type=some, help="runs of each team and place, with seeds 1, 2, ... (1)")
+    pursuit.add_argument("--quick", action="store_true", help="short and few: to try it out in minutes")
+    pursuit.add_argument("--most", type=some, metavar="N", help="the largest team on the cave (default 13)")
+    pursuit.add_argument("--plans", type=maybe, metavar="N", help="random plans beside it (default 32)")
+    pursuit.add_argument("--only", metavar="TEXT", default="", help=only)
+    pursuit.set_defaults(do=_pursuit)
+    for study in (line, area, graphs, pursuit):
         words = "where trials, tables and figures are kept (default: reproductions)"
         study.add_argument("--out", type=Path, metavar="DIR", help=words)
 
@@ -42,6 +49,12 @@ def _line_patrol(given: argparse.Namespace) -> int:
 
 def _lr_pt(given: argparse.Namespace) -> int:
     from deploy.studies.lr_pt.study import reproduce
+
+    return reproduce(given)
+
+
+def _pursuit(given: argparse.Namespace) -> int:
+    from deploy.studies.pursuit.study import reproduce
 
     return reproduce(given)
 

@@ -184,3 +184,14 @@ def test_a_way_with_a_corner_in_a_wall_is_a_jump(referee, within_m2):
     team, _ = driven(referee)
     lost = team.referee.step([(5.0, 0.5)], [(5.0, 0.5)], [True], [True], [((5.0, 1.1),)])
     assert lost.contaminated_m2 == pytest.approx(10 - 2 * LENS_M, abs=2 * within_m2)
+
+
+def test_what_the_raster_draws_is_its_contaminated_cells():
+    """Also where a column of cells is contaminated in several pieces, and where nothing is."""
+    team, _ = driven(COARSE, shapely.box(0, 0, 10, 1.45), ys_m=(0.725,))
+    shape = team.referee.shape
+    assert shape.area == pytest.approx(team.referee.verdict.contaminated_m2)
+    assert shapely.intersects_xy(shape, [1.0, 5.0, 5.0], [0.7, 0.02, 1.43]).all()
+    assert not shapely.intersects_xy(shape, 5.0, 0.725)
+    alone = COARSE(shapely.box(0, 0, 0.8, 0.8), DETECT_M, [(0.4, 0.4)], [True])
+    assert alone.shape.is_empty and alone.verdict.cleared

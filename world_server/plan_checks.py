@@ -5,6 +5,7 @@ of the plan must be seen from where robots can be, and these places must be one 
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -17,10 +18,12 @@ LOOK_EVERY_M, LOOK_CLOSELY_M = 0.25, 0.01
 UNSEEN_M2 = 1e-3  # what is left between two places from which the plan is looked at
 
 
+@lru_cache(maxsize=256)
 def check_plan(plan: shapely.Polygon, obstacle_m: float, detect_m: float) -> None:
     """Raises PlanError for the first reason why robots cannot clear a plan.
 
-    `obstacle_m` is how far robots stay from walls, `detect_m` how far they see.
+    `obstacle_m` is how far robots stay from walls, `detect_m` how far they see. A study has hundreds of runs
+    on one plan, so a plan that passed is not looked at again.
     """
     if not plan.is_valid:
         raise PlanError(f"the polygon must be valid, but: {shapely.is_valid_reason(plan)}")

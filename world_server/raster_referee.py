@@ -77,9 +77,11 @@ class RasterReferee:
 
     @property
     def shape(self) -> shapely.Geometry:
-        """What is contaminated, cell by cell."""
-        first = np.argwhere(self._contaminated) * self._cell_m + self._origin
-        return shapely.union_all(shapely.box(*first.T, *(first + self._cell_m).T))
+        """What is contaminated, as the cells have it; columns of cells are joined first, which is faster."""
+        edges = np.diff(self._contaminated.astype(np.int8), axis=1)  # there is a margin around the plan
+        first, last = ((np.argwhere(edges == step) + (0, 1)) for step in (1, -1))
+        south_west, north_east = (cells * self._cell_m + self._origin for cells in (first, last + (1, 0)))
+        return shapely.union_all(shapely.box(*south_west.T, *north_east.T))
 
     def _area_m2(self, cells: np.ndarray) -> float:
         return float(np.count_nonzero(cells) * self._cell_m**2)

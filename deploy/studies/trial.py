@@ -67,3 +67,10 @@ def guest(behaviour: str, taken: Sequence[Algorithm]) -> Algorithm:
 def settings_of(section: str, given: dict[str, Any]) -> tuple[str, ...]:
     """A behaviour's parameters as `--set` takes them; `section` is robots or tower."""
     return tuple(f"{section}.parameters.{name}={json.dumps(value)}" for name, value in given.items())
+
+
+def contains(name: str, text: str) -> bool:
+    """Has a trial's name this in it? A number stands for itself, not for the beginning of a longer one."""
+    before = r"(?<!\d)" if text[:1].isdigit() else ""
+    behind = r"(?!\d)" if text[-1:].isdigit() else ""
+    return re.search(f"{before}{re.escape(text)}{behind}", name) is not None

@@ -7,15 +7,13 @@ claims are of differences and shapes. Every number here is computed from the tri
 import math
 import statistics
 from collections.abc import Iterator
-from typing import Literal, NamedTuple
 
 from deploy.studies.lr_pt.partition import APART, VARIATION, Partition, partition_of
 from deploy.studies.lr_pt.plan import MEMORIES
 from deploy.studies.lr_pt.stability import COLUMNS, STABLE, phases
 from deploy.studies.outcomes import Outcomes
+from deploy.studies.verdict import Verdict, Word
 from wire.scenario import Range, Scenario
-
-Word = Literal["reproduced", "direction only", "not reproduced", "not testable"]
 
 CONSTANT = 0.10
 """`About constant` in N: largest over smallest at most so much above 1."""
@@ -29,15 +27,6 @@ UNCHANGED = 0.05
 IDLENESS = ("normalised_graph_idleness_s", "normalised_worst_idleness_s")
 AWARENESS = ("normalised_mean_sa_delay_s", "normalised_worst_sa_delay_s")
 SYMBOLS = dict(zip((*IDLENESS, *AWARENESS), ("I_G", "I_W", "D_MSA", "D_WSA"), strict=True))
-
-
-class Verdict(NamedTuple):
-    """A claim, what was measured, what follows, and the rule by which it does."""
-
-    claim: str
-    measured: str
-    word: Word
-    rule: str
 
 
 def verdicts(outcomes: Outcomes) -> list[Verdict]:

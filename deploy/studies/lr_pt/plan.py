@@ -5,12 +5,11 @@ Table II has them with three sizes and two kinds of idleness; seeds are ours.
 """
 
 import json
-import re
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from deploy.scenario_file import ScenarioError
-from deploy.studies.trial import Algorithm, Scale, Trial, settings_of
+from deploy.studies.trial import Algorithm, Scale, Trial, contains, settings_of
 
 SIZES = (5, 10, 15)
 """Nodes, the tower counted."""
@@ -75,7 +74,7 @@ def trials(
         trial
         for seed in range(1, count + 1)
         for trial in _of_seed(scale, seed, everybody, all_processes)
-        if _contains(trial.name, only)
+        if contains(trial.name, only)
     ]
     if not found:
         raise ScenarioError(f"--only {only}: no trial has this in its name; one is called lr_pt-n5-seed1")
@@ -131,9 +130,3 @@ def _settings(algorithm: Algorithm, nodes: int, seed: int) -> tuple[str, ...]:
         f"robots.behaviour={json.dumps(algorithm.behaviour)}",
         *settings_of("robots", parameters),
     )
-
-
-def _contains(name: str, text: str) -> bool:
-    before = r"(?<!\d)" if text[:1].isdigit() else ""
-    behind = r"(?!\d)" if text[-1:].isdigit() else ""
-    return re.search(f"{before}{re.escape(text)}{behind}", name) is not None

@@ -7,9 +7,9 @@ from datetime import datetime
 from deploy.machine import describe
 from deploy.markdown import spread, table
 from deploy.studies.lr_pt import sections
-from deploy.studies.lr_pt.claims import Verdict
 from deploy.studies.outcomes import METRICS, Outcomes
 from deploy.studies.trial import Scale
+from deploy.studies.verdict import Verdict, told
 
 QUICK = """> **THIS IS A QUICK RUN.** Trials are {duration_s:.0f} s long instead of 43200 s, and few. It shows
 > that everything works. Its numbers and verdicts say nothing about the paper; run it without `--quick` for
@@ -37,7 +37,7 @@ def write(outcomes: Outcomes, judged: list[Verdict], scale: Scale, quick: bool, 
         table(("", ""), [*describe().items(), ("trials by commit", _commits(outcomes))]),
         ORIGIN.format(duration_s=scale.duration_s, from_s=scale.metrics_from_s, never=_never(outcomes)),
         "## The paper's claims",
-        claims(judged),
+        told(judged),
         "## All algorithms",
         comparison(outcomes, outcomes.sizes()),
         *_pictures(figures, "comparison"),
@@ -55,12 +55,6 @@ def write(outcomes: Outcomes, judged: list[Verdict], scale: Scale, quick: bool, 
         *sections.as_printed(outcomes, scale),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
-
-
-def claims(judged: Iterable[Verdict]) -> str:
-    """Claim, verdict, what was measured, rule."""
-    rows = [(one.claim, f"**{one.word}**", one.measured, one.rule) for one in judged]
-    return table(("the paper says", "verdict", "measured", "rule"), rows)
 
 
 def comparison(outcomes: Outcomes, sizes: Iterable[int]) -> str:

@@ -2,15 +2,13 @@
 
 import argparse
 
-from rich.console import Console
-from rich.table import Table
-
 from deploy.campaign import INTERRUPTED, Campaign, make_folder
 from deploy.studies.lr_pt import plan, report
-from deploy.studies.lr_pt.claims import Verdict, verdicts
+from deploy.studies.lr_pt.claims import verdicts
 from deploy.studies.lr_pt.figures import draw
 from deploy.studies.outcomes import collect, save
 from deploy.studies.trial import Algorithm, guest
+from deploy.studies.verdict import show
 
 
 def reproduce(given: argparse.Namespace) -> int:
@@ -38,17 +36,6 @@ def reproduce(given: argparse.Namespace) -> int:
     judged = verdicts(outcomes)
     figures = [path.name for path in draw(outcomes, folder)]
     (folder / "report.md").write_text(report.write(outcomes, judged, scale, given.quick, figures), "utf-8")
-    _print(judged, given.quick)
+    show(judged, given.quick)
     print(f"report {folder / 'report.md'}\ntrials {folder / 'trials.parquet'}")
     return 0
-
-
-def _print(judged: list[Verdict], quick: bool) -> None:
-    """The claims and what became of them."""
-    title = "QUICK RUN: says nothing about the paper" if quick else "The paper's claims"
-    printed = Table(title=title, title_justify="left", show_lines=True)
-    for heading in ("the paper says", "verdict", "measured"):
-        printed.add_column(heading)
-    for one in judged:
-        printed.add_row(one.claim, one.word, one.measured)
-    Console().print(printed)
