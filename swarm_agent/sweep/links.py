@@ -6,7 +6,7 @@ that is said is a state, said again in every tick, so that lost frames cost time
 """
 
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import NOBODY, OTHER, SIDES, WALL, Side
+from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot
 
 PATIENCE_TICKS = 12
@@ -18,7 +18,7 @@ def tend(robot: Robot) -> str:
     robot.refused = {
         one for one in robot.refused if (peer := robot.peer(one)) and peer.beacon.role == "joining"
     }
-    for number in [number for number in robot.old if _is_free_of(robot, number)]:
+    for number in [number for number in robot.old if _is_over(robot, number)]:
         del robot.old[number]
     if robot.role == "joining":
         _come_in(robot)
@@ -76,6 +76,24 @@ def _is_free_of(robot: Robot, number: int) -> bool:
     """Has the robot at the old end of a link let it go, or fallen silent?"""
     peer = robot.peer(number)
     return peer is None or robot.number not in (peer.beacon.left, peer.beacon.right)
+
+
+def _is_over(robot: Robot, number: int) -> bool:
+    """Is the old link to a robot given up by both ends, and is who came between them on the line?
+
+    It may have given up while they took it over; then they still have each other.
+    """
+    peer, between = robot.peer(number), robot.neighbour(robot.old[number])
+    if peer is None:
+        return True
+    stands = between is None or (between.beacon.role in BARRIER and not _is_free_of(robot, between.number))
+    return stands and _is_free_of(robot, number) and _answers(robot, peer)
+
+
+def _answers(robot: Robot, peer: Peer) -> bool:
+    """Had it heard of our latest link when it spoke? Before, what it says of its own is no refusal."""
+    heard = (one.tick for one in peer.beacon.measured if one.number == robot.number)
+    return max(heard, default=-1) >= robot.linked_tick
 
 
 def _come_in(robot: Robot) -> None:
@@ -137,10 +155,10 @@ def _follow(robot: Robot, peer: Peer, side: Side) -> None:
         agreed = side == "right" or beacon.right == one.number
         if agreed and robot.link_m(one, side) >= BARELY_M:
             _relink(robot, side, one.number)
-            robot.linked_tick = robot.tick
             return
     if back != robot.number and beacon.role != "joining":
-        _turn_back(robot, side)
+        if _answers(robot, peer):
+            _turn_back(robot, side)
     elif beacon.role == "joining" and side == "right" and robot.tick - robot.linked_tick > _patience(robot):
         _turn_back(robot, side)
 
@@ -153,13 +171,17 @@ def _turn_back(robot: Robot, side: Side) -> None:
             robot.refused.add(robot.beside[side])
             _relink(robot, side, one.number)
             return
+    if robot.neighbour(side).beacon.role not in (*BARRIER, "joining"):
+        for number in [number for number, of in robot.old.items() if of == side and robot.peer(number)]:
+            robot.refused.add(robot.beside[side])
+            _relink(robot, side, number)
 
 
 def _relink(robot: Robot, side: Side, number: int) -> None:
     if robot.beside[side] > 0:
         robot.old[robot.beside[side]] = side
     robot.old.pop(number, None)
-    robot.beside[side] = number
+    robot.beside[side], robot.linked_tick = number, robot.tick
 
 
 def _adopt_line(robot: Robot, peer: Peer, side: Side) -> None:
