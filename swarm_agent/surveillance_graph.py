@@ -47,7 +47,7 @@ class SurveillanceGraph(GraphCopy):
         """
         main = self._moving()
         entries = self._entries(main.vertex)
-        blocking = sum(edge.robots for edge in entries)
+        blocking = self.held(main.vertex)
         if robots == main.widest or (self.vertex(main.vertex).explored and robots < main.widest):
             return
         self._event()
@@ -136,6 +136,10 @@ class SurveillanceGraph(GraphCopy):
         for edge in self.lines().values():
             self._put_edge(msgspec.structs.replace(edge, line=NO_LINE))
         return self._stand()
+
+    def held(self, vertex: int) -> int:
+        """How many robots block the edges over which the main line came into a vertex."""
+        return sum(edge.robots for edge in self._entries(vertex))
 
     def _raise(self, number: int, robots: int) -> None:
         """A vertex weighs at least so much."""

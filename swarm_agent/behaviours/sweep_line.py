@@ -117,6 +117,7 @@ class SweepLine(Behaviour):
                 trouble = self.captain.command(robot)
         if trouble:
             self.beginning.again(robot)
+            robot.trouble = trouble
         elif robot.role == "reserve" and before != "reserve":
             self.reserve.begin(robot)
 

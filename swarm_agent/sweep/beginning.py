@@ -55,6 +55,7 @@ class Beginning:
         while lines := graph.lines():
             graph.release(min(lines))
         near = [peer.number for peer in robot.peers.known.values()]
+        near = near if len(near) + 1 < robot.team else []
         robot.become("anchor", "gathering")
         robot.contact = nearest(robot.hits, robot.here) or robot.here
         robot.epoch, robot.anchor, robot.courier = robot.epoch + 1, robot.number, max(near, default=0)

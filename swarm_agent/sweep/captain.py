@@ -6,12 +6,11 @@ up and the team begins again elsewhere.
 """
 
 from swarm_agent.sweep.events import strike_out
-from swarm_agent.sweep.radio import WALL
+from swarm_agent.sweep.radio import GO_BACK, GO_HOME, GO_ON, WALL
 from swarm_agent.sweep.robot import Robot
 
-GO_ON, GO_BACK = 0, -1
 FIRST_PLACE = 2
-SLOWLY_TICKS, ORDER_TICKS, PUSH_TICKS = 30, 400, 200
+SLOWLY_TICKS, ORDER_TICKS, PUSH_TICKS, HOME_TICKS = 30, 400, 200, 1500
 ROUNDS = 2
 
 
@@ -39,6 +38,8 @@ class Captain:
                 self._give(robot, GO_ON)
             return ""
         for_ticks = robot.tick - self._order_tick
+        if robot.order == GO_HOME:
+            return self._come_home(robot, for_ticks)
         if robot.order == GO_BACK:
             if self._has_slack(robot) or for_ticks > ORDER_TICKS:
                 self._give(robot, FIRST_PLACE)
@@ -77,7 +78,7 @@ class Captain:
         self._complete_tick = 0 if coming > 0 else self._complete_tick or robot.tick
         wait = self._settled(robot)
         if spare or told.pinned:
-            wait += ORDER_TICKS // 2
+            wait += 2 * ORDER_TICKS
         if coming > 0:
             wait = robot.parameters.patience_ticks
         return robot.tick - max(robot.last_moved(), self._main_tick, self._complete_tick) > wait
@@ -100,10 +101,19 @@ class Captain:
         return ""
 
     def _fail(self, robot: Robot) -> str:
-        """Nothing was found: another line is to go on, or the team begins again, or gives up."""
+        """Nothing was found: back to where the line was shortest."""
         if self._rounds:
             robot.events.append("search_failed")
         self._rounds = 0
+        self._give(robot, GO_HOME)
+        return ""
+
+    def _come_home(self, robot: Robot, for_ticks: int) -> str:
+        """Once there, another line is to go on, or the team begins again, or gives up."""
+        shortest = robot.graph.held(robot.graph.main.vertex)
+        settled = robot.tick - robot.last_moved() > self._settled(robot)
+        if robot.count > shortest and for_ticks < HOME_TICKS and not (settled and for_ticks > ORDER_TICKS):
+            return ""
         self._give(robot, GO_ON)
         self._main_tick = robot.tick
         following = self._following(robot)

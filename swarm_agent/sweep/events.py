@@ -8,7 +8,7 @@ import networkx
 from swarm_agent.graph_clear import next_vertex
 from swarm_agent.sweep.outlook import Outlook, sides_open
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import OTHER, SIDES, WALL, Side
+from swarm_agent.sweep.radio import GO_HOME, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot
 
 
@@ -74,7 +74,8 @@ def _in_the_middle(robot: Robot, outlook: Outlook) -> None:
                 robot.ready, robot.contact = True, peer.wall
     if robot.ready or _beside_pivot(robot):
         return
-    if robot.obstacle is None and not (robot.pinned and robot.sees(robot.contact)):
+    obstacle = robot.obstacle is not None or (robot.pinned and robot.sees(robot.contact))
+    if not obstacle or robot.order == GO_HOME:
         robot.pinned = robot.halt = False
         return
     if not robot.pinned:

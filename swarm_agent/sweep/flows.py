@@ -59,7 +59,10 @@ def _joined(robot: Robot, side: Side, before: Flow | None) -> Flow:
 
 
 def wants(robot: Robot) -> bool:
-    """Is there a gap beside the right leader that needs one more robot?"""
+    """Is there a gap beside the right leader that needs one more robot, or a pivot that needs a second?"""
+    if robot.pinned:
+        beside = [robot.neighbour(side) for side in SIDES]
+        return robot.is_main and not any(one and one.beacon.ready for one in beside)
     right = robot.neighbour("right")
     if right is None or robot.old or robot.role == "leaving" or right.beacon.role != "leader":
         return False

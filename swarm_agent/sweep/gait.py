@@ -11,17 +11,21 @@ import numpy as np
 
 from swarm_agent.sweep.geometry import nearest, roll, shortened, turn_rad, unit
 from swarm_agent.sweep.links import is_spare
-from swarm_agent.sweep.outlook import Outlook
+from swarm_agent.sweep.outlook import JOINED_M, Outlook
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import OTHER, SIDES, Side
+from swarm_agent.sweep.radio import GO_BACK, GO_HOME, GO_ON, OTHER, SIDES, Side
 from swarm_agent.sweep.robot import Robot
 
 STRAIGHT_RAD = 1.8 * math.pi  # larger angles are noise around zero
 ALIKE_RAD = 0.01
+LOST_M = 0.2  # a leader that finds no wall so near to where it was before does not know its wall any more
+BODIES_M = 0.36
+HOLD_M = 0.5  # a leader goes no farther from its wall
 FARTHEST_M = 0.45  # from its wall, for who comes near to it again while it goes
 ASIDE_DEG = (0, 20, 40, 60, 80, 100)
 APART_M, TOGETHER_M = 0.34, 0.25
-REST_M, NEARER_M, TRY_TICKS = 0.025, 0.01, 10
+REST_M, NEARER_M, TRY_TICKS = 0.025, 0.08, 12
+RESTED_M = 0.08
 TAUT_TICKS = 12
 
 
@@ -29,27 +33,30 @@ def lead(robot: Robot, outlook: Outlook) -> complex:
     """A leader's way: along its wall, if that shortens the line, or lengthens it less than the other's."""
     side = robot.wall_side()
     touch(robot)
-    way, contact = along_wall(robot, side)
+    way = along_wall(robot, side)
     robot.angle_rad = turn_rad(outlook.ways[OTHER[side]], way, side)
     if robot.angle_rad > STRAIGHT_RAD:
         robot.angle_rad = 0.0
     other = robot.told[OTHER[side]]
     if other is None or robot.halt or robot.any_told("halt"):
         return 0j
-    if robot.order < 0:
+    if robot.order in (GO_BACK, GO_HOME):
         return _go_back(robot, side, other.angle_rad)
     if robot.order > 0 or robot.close:
         return 0j
     shortens = robot.angle_rad < math.pi / 2 - 2 * ALIKE_RAD
     if not shortens and not may_grow(robot, other.angle_rad):
         return 0j
-    inward = -1 if side == "left" else 1
+    return _go(robot, way, side)
+
+
+def _go(robot: Robot, way: complex, hand: Side) -> complex:
+    """That way along the wall, or one near to it, away from the wall, that links and others allow."""
+    inward = -1 if hand == "left" else 1
     for aside_deg in ASIDE_DEG:
         some = way * cmath.exp(1j * inward * math.radians(aside_deg))
         for size in (1.0, 0.5, 0.2):
-            if robot.may(some * size, wall_m=0.1):
-                if size == 1.0 and not aside_deg:
-                    robot.contact = contact
+            if _stays_at_wall(robot, some * size) and robot.may(some * size, wall_m=0.1):
                 return some * size
     return 0j
 
@@ -61,21 +68,49 @@ def may_grow(robot: Robot, other_rad: float) -> bool:
 
 
 def touch(robot: Robot) -> None:
-    """Find the place of its wall again that is nearest now."""
-    if len(robot.hits):
-        near = robot.hits[np.abs(robot.hits - robot.contact) <= 0.15]
-        robot.contact = nearest(near if len(near) else robot.hits, robot.here)
+    """Find the place of its wall again that is nearest now.
+
+    What counts is the same wall, without a jump between rays: another one, however near, would leave a gap
+    between the two that nobody sees.
+    """
+    ends, near = _around(robot)
+    if near is None:
+        return
+    wall = [near]
+    for step in (1, -1):
+        ray = near
+        for _ in range(len(ends)):
+            following = (ray + step) % len(ends)
+            if not abs(ends[following] - ends[ray]) <= JOINED_M:
+                break
+            wall.append(following)
+            ray = following
+    robot.contact = nearest(ends[wall], robot.here)
 
 
-def along_wall(robot: Robot, hand: Side) -> tuple[complex, complex]:
-    """A step along the wall on one hand, round robots that stand there, and the place touched after it."""
+def _around(robot: Robot) -> tuple[np.ndarray, int | None]:
+    """Where all rays end, NaN where at no wall, and which of them ends at what was its wall before."""
+    seen = np.isfinite(robot.ranges_m)
+    ends = np.where(seen, robot.here + np.where(seen, robot.ranges_m, 0.0) * robot.eye.units, np.nan)
+    gaps = np.where(seen, np.abs(ends - robot.contact), np.inf)
+    near = int(gaps.argmin())
+    return ends, near if gaps[near] <= LOST_M else None
+
+
+def along_wall(robot: Robot, hand: Side) -> complex:
+    """A step along the wall on one hand, around robots that stand there."""
     others = [
         peer.here
         for peer in robot.peers.known.values()
-        if peer.beacon.follows_nobody and abs(peer.here - robot.here) < 0.36
+        if peer.beacon.follows_nobody and abs(peer.here - robot.here) < BODIES_M
     ]
     walls = np.concatenate((robot.hits, np.array(others, dtype=complex)))
-    return roll(robot.here, walls, robot.contact, hand, _keep_m(robot), robot.step_m)
+    return roll(robot.here, walls, robot.contact, hand, _keep_m(robot), robot.step_m)[0]
+
+
+def _stays_at_wall(robot: Robot, way: complex) -> bool:
+    """Is it still beside its wall after that way, or at least no farther from it?"""
+    return abs(robot.here + way - robot.contact) <= max(HOLD_M, abs(robot.here - robot.contact))
 
 
 def _keep_m(robot: Robot) -> float:
@@ -88,31 +123,32 @@ def _go_back(robot: Robot, side: Side, other_rad: float) -> complex:
     """Back along the wall, if that shortens the line, and not much less than the other end's way would."""
     if robot.angle_rad <= math.pi / 2 or robot.angle_rad < other_rad - 0.3:
         return 0j
-    way, contact = roll(robot.here, robot.hits, robot.contact, OTHER[side], _keep_m(robot), robot.step_m)
-    for size in (1.0, 0.5):
-        if robot.may(way * size, wall_m=0.1):
-            if size == 1.0:
-                robot.contact = contact
-            return way * size
-    return 0j
+    return _go(robot, along_wall(robot, OTHER[side]), OTHER[side])
 
 
 class Slot:
-    """Where a robot in the middle wants to be, and whether it comes nearer to it."""
+    """Where a robot in the middle wants to be, and whether it comes any nearer.
+
+    Who goes to and fro, or pushes against what bars its way, rests until a neighbour has moved on: a line can
+    decide nothing before all of it stands still.
+    """
 
     def __init__(self) -> None:
-        self._aim, self._least_m, self._nearer = 0j, 0.0, 0
+        self._trail: list[complex] = []
+        self._rested: tuple[complex, complex] | None = None
 
-    def way(self, robot: Robot, aim: complex) -> complex:
-        """The way to go; nothing when it is there, or has not come nearer for a while."""
-        far_m = abs(aim - robot.here)
-        if far_m < REST_M:
+    def way(self, robot: Robot, aim: complex, neighbours: tuple[complex, complex]) -> complex:
+        """The way to go; nothing when it is there, or rests."""
+        if self._rested is not None:
+            moved = max(abs(now - then) for now, then in zip(neighbours, self._rested, strict=True))
+            if moved < RESTED_M:
+                return 0j
+            self._rested, self._trail = None, []
+        if abs(aim - robot.here) < REST_M:
             return 0j
-        if abs(aim - self._aim) > 2 * REST_M:
-            self._aim, self._least_m, self._nearer = aim, far_m, robot.tick
-        elif far_m < self._least_m - NEARER_M:
-            self._least_m, self._nearer = far_m, robot.tick
-        elif robot.tick - self._nearer > TRY_TICKS:
+        self._trail = [*self._trail[-TRY_TICKS:], robot.here]
+        if len(self._trail) > TRY_TICKS and abs(self._trail[0] - robot.here) < NEARER_M:
+            self._rested = neighbours
             return 0j
         return robot.best(aim - robot.here)
 
@@ -125,14 +161,19 @@ def keep(robot: Robot, slot: Slot) -> complex:
         return 0j
     if robot.order > 0 and robot.order == robot.place and robot.role == "centre":
         return _push(robot, left, right)
-    if robot.order == 0 and robot.role == "centre" and not robot.any_told("want") and is_spare(robot):
+    if (
+        robot.order in (GO_ON, GO_HOME)
+        and robot.role == "centre"
+        and not robot.any_told("want")
+        and is_spare(robot)
+    ):
         robot.role, robot.since_role = "leaving", robot.tick
     for pivot in (left, right):
         if pivot.beacon.pinned and abs(pivot.wall - robot.here) > APART_M:
             way = robot.best(pivot.wall - robot.here)
             if way:
                 return way
-    return slot.way(robot, _slot(robot, left, right))
+    return slot.way(robot, _slot(robot, left, right), (left.here, right.here))
 
 
 def _slot(robot: Robot, left: Peer, right: Peer) -> complex:

@@ -30,7 +30,7 @@ def tend(robot: Robot) -> str:
             peer = robot.neighbour(side)
             if peer is None:
                 trouble = _lose(robot, side)
-                if trouble:
+                if trouble or not robot.on_line:
                     return trouble
                 continue
             if _is_dissolved(robot, peer, side):
@@ -105,7 +105,7 @@ def _come_in(robot: Robot) -> None:
         and _holds(left, "right", robot)
         and _holds(right, "left", robot)
     ):
-        robot.role, robot.since_role = "centre", robot.tick
+        robot.role, robot.since_role, robot.held_tick = "centre", robot.tick, robot.tick
         robot.line, robot.since = left.beacon.line, left.beacon.since
         return
     named = any(one is not None and not _is_free_of(robot, one.number) for one in (left, right))
@@ -125,11 +125,14 @@ def _is_dissolved(robot: Robot, peer: Peer, side: Side) -> bool:
 
 
 def _is_passed_over(robot: Robot) -> bool:
-    """Do both neighbours hold each other?"""
+    """Do both neighbours hold each other, or for a while others than this robot?"""
     left, right = (robot.neighbour(side) for side in SIDES)
     if left is None or right is None:
         return False
-    return left.beacon.right == right.number and right.beacon.left == left.number
+    if _holds(left, "right", robot) or _holds(right, "left", robot):
+        robot.held_tick = robot.tick
+    forgotten = robot.tick - robot.held_tick > _patience(robot)
+    return forgotten or (left.beacon.right == right.number and right.beacon.left == left.number)
 
 
 def _follow(robot: Robot, peer: Peer, side: Side) -> None:
@@ -198,6 +201,10 @@ def _lose(robot: Robot, side: Side) -> str:
     robot.dead.add(number)
     robot.old.pop(number, None)
     lost = robot.peers.lost.get(number)
+    if lost is not None and robot.number not in (lost.beacon.left, lost.beacon.right):
+        robot.become("reserve")  # it did not hold us when it was last heard: it is out of reach, and not dead
+        robot.dead.discard(number)
+        return ""
     if lost is not None:
         beyond = robot.peer(lost.beacon.beside(side))
         if beyond is not None and robot.link_m(beyond, side) >= 0:

@@ -18,6 +18,8 @@ Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
 OTHER: dict[Side, Side] = {"left": "right", "right": "left"}
 NOBODY, WALL = 0, -1
+GO_ON, GO_BACK, GO_HOME = 0, -1, -2
+"""Orders of a captain. Any other is the place of the robot that is to push forward."""
 BARRIER = ("centre", "leader", "leaving")
 """The roles of those who are part of a line."""
 
@@ -25,7 +27,7 @@ Number = Annotated[int, msgspec.Meta(ge=-1, le=9999)]
 MOST = 10_000
 Count = Annotated[int, msgspec.Meta(ge=0, le=MOST)]
 Tick = Annotated[int, msgspec.Meta(ge=-1, le=2**53)]
-Order = Annotated[int, msgspec.Meta(ge=-1, le=10_000)]
+Order = Annotated[int, msgspec.Meta(ge=-2, le=10_000)]
 Angle = Annotated[float, msgspec.Meta(ge=-10, le=10)]
 Way = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
 """Numbers that are finite: bounds refuse what is no number, too."""

@@ -15,11 +15,14 @@ from swarm_agent.sweep.robot import UNRANKED, Robot
 
 ROOM_M = {"leader": 0.4, "reserve": 0.26, "free": 0.26}
 ROOM_ELSE_M = 0.28
+TRAVEL_ROOM_M = 0.24
 FILE_M, LEADER_FILE_M = 0.36, 0.5
 NEAR_M, HEARD_M, FAR_M = 0.6, 1.2, 1.9
 BODY_WIDTH_M = 0.13
 CRUMB_M = 0.04
-TRAVEL_M = 0.2
+BARRED_TICKS = 40
+DETOUR_M = 0.2  # who stood far behind would bend the line around walls that it has passed
+TRAVEL_M, TRAVEL_KEEP_M = 0.2, 0.25
 MOST_TAIL = 50
 WAIT_TICKS = 3
 
@@ -49,7 +52,7 @@ class Reserve:
         robot.tail = min(MOST_TAIL, 1 + _followers(robot))
         leader = _choose(robot)
         robot.ahead = leader.number if leader else NOBODY
-        robot.rank = UNRANKED if leader is None else 1 if is_ours(robot, leader) else leader.beacon.rank + 1
+        robot.rank = _rank(robot, leader)
         if leader is None:
             return self._travel(robot)
         if is_ours(robot, leader):
@@ -89,13 +92,26 @@ class Reserve:
             if other is None or not _is_link(beside, other, side):
                 continue
             left, right = (beside, other) if side == "right" else (other, beside)
-            if min(robot.link_m(left, "left"), robot.link_m(right, "right")) >= BARELY_M:
+            detour_m = (
+                abs(left.here - robot.here) + abs(right.here - robot.here) - abs(left.here - right.here)
+            )
+            holds = min(robot.link_m(left, "left"), robot.link_m(right, "right")) >= BARELY_M
+            barred = robot.tick - self._asked_tick > wait + BARRED_TICKS * robot.parameters.hop_ticks
+            if holds and (detour_m <= DETOUR_M or barred):
                 ask_in(robot, left, right)
                 return 0j
             middles.append((left.here + right.here) / 2)
         if not middles:
             return None
         return toward(robot, min(middles, key=lambda place: abs(place - robot.here))) or None
+
+
+def _rank(robot: Robot, leader: Peer | None) -> int:
+    """Its place behind the line; whoever follows nobody, or only others like itself, has none."""
+    if leader is None:
+        return UNRANKED
+    rank = 1 if is_ours(robot, leader) else leader.beacon.rank + 1
+    return rank if rank <= robot.parameters.team else UNRANKED
 
 
 def is_ours(robot: Robot, peer: Peer) -> bool:
@@ -115,7 +131,7 @@ def travel(robot: Robot, hand: Side) -> complex:
         return toward(robot, robot.contact)
     near = walls[np.abs(walls - robot.contact) <= TRAVEL_M]
     robot.contact = nearest(near if len(near) else walls, robot.here)
-    keep_m = max(TRAVEL_M, min(abs(robot.contact - robot.here) - 0.3 * robot.step_m, 0.45))
+    keep_m = max(TRAVEL_KEEP_M, min(abs(robot.contact - robot.here) - 0.3 * robot.step_m, 0.45))
     way, contact = roll(robot.here, walls, robot.contact, hand, keep_m, robot.step_m)
     for size in (1.0, 0.5):
         if robot.may(way * size, holds=False, wall_m=0.1):
@@ -130,6 +146,8 @@ def _make_room(robot: Robot) -> complex:
     push = 0j
     for peer in robot.peers.known.values():
         away, room_m = robot.here - peer.here, ROOM_M.get(peer.beacon.role, ROOM_ELSE_M)
+        if robot.ahead == NOBODY:
+            room_m = min(room_m, TRAVEL_ROOM_M)
         if abs(away) < room_m:
             push += unit(away) * (room_m + 0.02 - abs(away))
     return toward(robot, robot.here + unit(push) * robot.step_m) if push else 0j

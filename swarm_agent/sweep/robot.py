@@ -58,7 +58,7 @@ class Robot:
         self.beside: dict[Side, int] = dict.fromkeys(SIDES, NOBODY)
         self.old: dict[int, Side] = {}
         self.refused: set[int] = set()
-        self.linked_tick = self.tick
+        self.linked_tick = self.held_tick = self.tick
         self.line, self.since = 0, -1
         self.pinned = self.halt = self.close = self.ready = False
         self.obstacle: complex | None = None
@@ -215,9 +215,15 @@ class Robot:
             if wall_there_m < wall_m and wall_there_m < float(np.abs(self.hits - self.here).min()):
                 return False
         return all(
-            abs(peer.here - there) >= min(self.body_m + BODY_M, abs(peer.here - self.here))
-            for peer in self.peers.known.values()
+            abs(body - there) >= min(self.body_m + BODY_M, abs(body - self.here)) for body in self.bodies()
         )
+
+    def bodies(self) -> Iterator[complex]:
+        """Where others are, and where the dead were when they were last heard."""
+        for peer in self.peers.known.values():
+            yield peer.here
+        for number in self.dead & set(self.peers.lost):
+            yield self.peers.lost[number].here
 
     def best(self, way: complex, holds: bool = True, wall_m: float = 0.13) -> complex:
         """What it may do that is nearest to a wanted way; nothing where all is barred."""

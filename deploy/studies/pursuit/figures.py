@@ -70,13 +70,13 @@ def _success(runs: Runs, path: Path) -> Path:
 
 
 def _places(runs: Runs, main: Ground, path: Path) -> Path:
-    """The plan, with the fewest robots that clear it from each place."""
+    """The plan, with the fewest robots that clear it from each place; a dash where none do."""
     figure, axes = pyplot.subplots(figsize=(6, 6))
     _outline(axes, polygon(main))
     for (x_m, y_m), robots in zip(places(main), runs.fewest_of(main), strict=True):
         colour = GREY if robots is None else BLUE
         axes.plot(x_m, y_m, "o", ms=22, color=colour)
-        told = "none" if robots is None else str(robots)
+        told = "-" if robots is None else str(robots)
         axes.text(x_m, y_m, told, color="white", ha="center", va="center", fontsize=10, fontweight="bold")
     axes.set_aspect("equal")
     axes.set_xlabel("m")
