@@ -14,7 +14,7 @@ from tests.sweep_play import Play, column, in_line, lined_up, play
 from wire.scenario import Latency, Loss, RadioSection, Range
 
 DETECT_M = 0.7
-MET_TICK, STIRRED_TICK, CALM_TICK = 30, 110, 130
+MET_TICK, STIRRED_TICK, CALM_TICK, SETTLED_TICKS = 30, 90, 170, 60
 DETOUR_M = 0.25  # who stands far behind a link has no business in it
 DEAD_TICKS = 40
 """So many frames in a row are never lost here."""
@@ -46,6 +46,15 @@ def is_joined(course: Play) -> bool:
         reached |= found
         found = {end for link in near if set(link) & reached for end in link}
     return bool(ends[0] and ends[1] and ends[1] <= reached)
+
+
+def is_settled(course: Play) -> bool:
+    """Has everybody who has begun to come in or to leave long ago done so, or given it up?"""
+    return all(
+        robot.on_line == (number in course.line())
+        for number, robot in course.robots.items()
+        if course.tick - robot.since_role > SETTLED_TICKS
+    )
 
 
 def stir(course: Play, draw: np.random.Generator) -> None:
@@ -99,3 +108,5 @@ def test_no_join_and_no_leave_opens_the_barrier_whatever_is_lost(count, gap_m, l
 
     course = play(scenario, CALM_TICK, watch)
     assert course.breaches() == []
+    if not course.said:
+        assert is_settled(course)

@@ -129,7 +129,8 @@ def _is_passed_over(robot: Robot) -> bool:
     left, right = (robot.neighbour(side) for side in SIDES)
     if left is None or right is None:
         return False
-    if _holds(left, "right", robot) or _holds(right, "left", robot):
+    ends = ((left, "right"), (right, "left"))
+    if any(_holds(one, side, robot) and one.beacon.role in BARRIER for one, side in ends):
         robot.held_tick = robot.tick
     forgotten = robot.tick - robot.held_tick > _patience(robot)
     return forgotten or (left.beacon.right == right.number and right.beacon.left == left.number)
