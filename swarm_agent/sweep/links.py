@@ -9,7 +9,7 @@ from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot
 
-PATIENCE_TICKS = 12
+PATIENCE_TICKS, FORGOTTEN = 12, 3
 BARELY_M = 0.02  # the margin that is enough for a link that nobody opens before it is taken over
 
 
@@ -125,15 +125,23 @@ def _is_dissolved(robot: Robot, peer: Peer, side: Side) -> bool:
 
 
 def _is_passed_over(robot: Robot) -> bool:
-    """Do both neighbours hold each other, or for a while others than this robot?"""
+    """Do both neighbours hold each other, or another robot in its place? Or has it had no news for a while?"""
     left, right = (robot.neighbour(side) for side in SIDES)
     if left is None or right is None:
         return False
-    ends = ((left, "right"), (right, "left"))
-    if any(_holds(one, side, robot) and one.beacon.role in BARRIER for one, side in ends):
+    if any(robot.told.values()):
         robot.held_tick = robot.tick
-    forgotten = robot.tick - robot.held_tick > _patience(robot)
-    return forgotten or (left.beacon.right == right.number and right.beacon.left == left.number)
+    if robot.tick - robot.held_tick > FORGOTTEN * _patience(robot):
+        return True
+    if left.beacon.right == right.number and right.beacon.left == left.number:
+        return True
+    instead = robot.peer(left.beacon.right)
+    return (
+        instead is not None
+        and instead.beacon.role in BARRIER
+        and (instead.beacon.left, instead.beacon.right) == (left.number, right.number)
+        and robot.margin_m(instead.here, right.here, robot.walls(instead, right)) >= robot.step_m
+    )
 
 
 def _follow(robot: Robot, peer: Peer, side: Side) -> None:
