@@ -90,7 +90,7 @@ PURE = (
         f"world_server/{name}.py"
         for name in """
         world clock area polyline motion path_following traffic radio cells passes sensing nodes records
-        chance battery edges floorplan plan_checks random_plans sight referee raster_referee
+        chance battery edges floorplan plan_checks random_plans sight referee raster_referee frontline
         mission clear deployment discs walls perception judges fault_plan
         """.split()
     ),

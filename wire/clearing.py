@@ -36,7 +36,8 @@ class Clearing(Message):
     until this tick. `raster_m2`: contaminated in the eyes of the raster referee, where both judge.
     `outline`: for pictures, float32 (points, 2): the rings around what is contaminated, x_m and y_m, each
     ring closed and followed by a row of NaN; where nothing is, that row alone. It comes at most once per
-    simulated second, when it has changed.
+    simulated second, when it has changed. `ahead_m2`: of what was lost out of sight, the part that lay ahead
+    of lines and was held by none.
     """
 
     contaminated_m2: float
@@ -44,3 +45,4 @@ class Clearing(Message):
     given_up_m2: float = 0.0
     raster_m2: float | None = None
     outline: bytes = b""
+    ahead_m2: float = 0.0

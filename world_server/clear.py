@@ -10,8 +10,9 @@ from wire.clearing import Clearing, Standing
 from wire.fields import Point, Unseen
 from wire.messages import Action, Pose, Senses
 from wire.scenario import Range, Scenario, Sensors
-from world_server.deployment import deployed, plan_of, turned
+from world_server.deployment import deployed, plan_of, turned, turned_point
 from world_server.discs import Disc
+from world_server.frontline import Line, whole_lines
 from world_server.judges import Judges
 from world_server.mission import Mission, Pairs, Visits
 from world_server.motion import Body
@@ -130,7 +131,18 @@ class Clear(Mission):
 
     def judged(self, tick: int) -> Clearing:
         """What the referee says of the tick that has just been settled."""
-        return self._judges.said(tick)
+        return self._judges.said(tick, self._lines)
+
+    def _lines(self) -> list[Line]:
+        """Lines from wall to wall that living robots last said they form, where they really stand."""
+        robots = {}
+        for row, node in self._robots.items():
+            standing = self._standing.get(row)
+            if standing is not None and node.mode == ALIVE:
+                wall_m = seen_from(node.body.pose, standing.wall_m)
+                place_m = (node.body.x_m, node.body.y_m)
+                robots[node.name] = (standing.left, standing.right, place_m, wall_m)
+        return whole_lines(robots)
 
     def in_role(self, role: str) -> tuple[str, ...]:
         """Living robots on the main line that last reported this role, in order of their numbers."""
@@ -149,3 +161,9 @@ class Clear(Mission):
     def _alive(self) -> list[bool]:
         """Who sees: a process that is stopped or gone notices no intruder."""
         return [node.mode == ALIVE for node in self._robots.values()]
+
+
+def seen_from(pose: Pose, way_m: Point) -> Point:
+    """Where a way of a body ends that is told forward and to the left of it."""
+    x_m, y_m = turned_point(way_m, pose.heading_rad)
+    return (pose.x_m + x_m, pose.y_m + y_m)

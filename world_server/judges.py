@@ -1,6 +1,6 @@
 """The referees of a run: exact, on a raster, or both; and pictures of what they say."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import shapely
@@ -8,8 +8,9 @@ import shapely
 from wire.clearing import Clearing
 from wire.scenario import Scenario, Sensors
 from world_server.deployment import plan_of, turned, turned_point
+from world_server.frontline import Line, ahead_of
 from world_server.raster_referee import RasterReferee
-from world_server.referee import Place, Places, Referee, Verdict
+from world_server.referee import NOTHING_M2, Place, Places, Referee, Verdict
 
 SIMPLIFIED_M = 0.01
 DRAWN_EVERY_S = 1.0
@@ -28,7 +29,7 @@ class Judges:
         kinds = {"exact": (Referee,), "raster": (RasterReferee,), "both": (Referee, RasterReferee)}
         self._turned_rad = scenario.field.turned_rad
         self._every_ticks, self._outline = scenario.tick_of(DRAWN_EVERY_S), b""
-        self._area_m2 = plan.area
+        self._plan = plan
         self._places, self._alive = self._turned_back(places_m), list(alive)
         self._referees = [
             kind(plan, sensors.detect_m, self._places, alive) for kind in kinds[sensors.referee]
@@ -38,7 +39,7 @@ class Judges:
     @property
     def cleared_share(self) -> float:
         """How much of the plan is clear."""
-        return 1 - self._verdicts[0].contaminated_m2 / self._area_m2
+        return 1 - self._verdicts[0].contaminated_m2 / self._plan.area
 
     def step(self, places_m: Places, corners_m: Sequence[Places], alive: Sequence[bool]) -> None:
         """One tick, at whose end robots are at these places, and live or not.
@@ -55,11 +56,16 @@ class Judges:
         ]
         self._alive = list(alive)
 
-    def said(self, tick: int) -> Clearing:
-        """The verdicts of the last step, as Facts keep them."""
+    def said(self, tick: int, lines: Callable[[], list[Line]]) -> Clearing:
+        """The verdicts of the last step, as Facts keep them. `lines`: those that robots say they form."""
         verdict = self._verdicts[0]
         raster_m2 = self._verdicts[1].contaminated_m2 if len(self._verdicts) > 1 else None
-        return Clearing(*verdict, raster_m2, self._drawn(tick))
+        ahead_m2 = 0.0
+        if verdict.breached_m2 > NOTHING_M2:
+            ahead = ahead_of(self._plan, [self._turned_back(line) for line in lines()])
+            lost = [part for part in shapely.get_parts(self._referees[0].lost) if part.area > 0]
+            ahead_m2 = sum(part.area for part in lost if ahead.contains(part.representative_point()))
+        return Clearing(*verdict, raster_m2, self._drawn(tick), ahead_m2)
 
     def _drawn(self, tick: int) -> bytes:
         """The outline, once in a while and if it is new."""

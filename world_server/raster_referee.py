@@ -49,6 +49,7 @@ class RasterReferee:
         self._views: dict[Place, np.ndarray] = {}
         self._places = living(places_m, alive)
         self._contaminated = self._free & ~self._mask([self._view(place) for place in self._places])
+        self._lost = np.zeros_like(self._free)
 
     @property
     def verdict(self) -> Verdict:
@@ -72,15 +73,25 @@ class RasterReferee:
         self._contaminated = reached & ~self._mask([self._view(place) for place in self._places])
         lost = self._contaminated & ~contaminated
         given_up = lost & self._mask([self._view(place) for place in places]) if lost.any() else lost
+        self._lost = lost & ~given_up
         self._views = {place: view for place, view in self._views.items() if place in self._places}
         return Verdict(*map(self._area_m2, (self._contaminated, lost, given_up)))
 
     @property
     def shape(self) -> shapely.Geometry:
-        """What is contaminated, as the cells have it; columns of cells are joined first, which is faster."""
-        edges = np.diff(self._contaminated.astype(np.int8), axis=1)  # there is a margin around the plan
+        """What is contaminated, as the cells have it."""
+        return self._drawn(self._contaminated)
+
+    @property
+    def lost(self) -> shapely.Geometry:
+        """What was lost in the last step and had not been in sight."""
+        return self._drawn(self._lost)
+
+    def _drawn(self, cells: np.ndarray) -> shapely.Geometry:
+        """Cells as one shape; columns of cells are joined first, which is faster."""
+        edges = np.diff(cells.astype(np.int8), axis=1)  # there is a margin around the plan
         first, last = ((np.argwhere(edges == step) + (0, 1)) for step in (1, -1))
-        south_west, north_east = (cells * self._cell_m + self._origin for cells in (first, last + (1, 0)))
+        south_west, north_east = (corners * self._cell_m + self._origin for corners in (first, last + (1, 0)))
         return shapely.union_all(shapely.box(*south_west.T, *north_east.T))
 
     def _area_m2(self, cells: np.ndarray) -> float:

@@ -104,6 +104,8 @@ class Referee:
         self._views: dict[Place, shapely.Polygon] = {}
         self._places = living(places_m, alive)
         self.contaminated = plan.difference(self._seen_from(self._places))
+        self.lost = shapely.Polygon()
+        """What was lost in the last step and had not been in sight."""
 
     @property
     def verdict(self) -> Verdict:
@@ -160,13 +162,14 @@ class Referee:
         self, reached: shapely.Geometry, contaminated: shapely.Geometry, places: Iterable[Place]
     ) -> Verdict:
         """What has changed. `contaminated` was so before, when robots stood at `places`."""
-        left_m2 = self.contaminated.area
+        left_m2, self.lost = self.contaminated.area, shapely.Polygon()
         if reached.area - contaminated.area < NOTHING_M2:
             return Verdict(left_m2, 0.0, 0.0)
         lost = self.contaminated.difference(contaminated)
         if lost.area < NOTHING_M2:
             return Verdict(left_m2, 0.0, 0.0)
-        return Verdict(left_m2, lost.area, lost.intersection(self._seen_from(self._near(lost, places))).area)
+        self.lost = lost.difference(self._seen_from(self._near(lost, places)))
+        return Verdict(left_m2, lost.area, lost.area - self.lost.area)
 
     def _near(self, geometry: shapely.Geometry, places: Iterable[Place]) -> list[Place]:
         """The places from which one may see a part of a geometry."""

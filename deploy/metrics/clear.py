@@ -3,8 +3,9 @@
 Source: specs of mission clear, section 4: contaminated is where an intruder of any speed may be; a plan is
 clear when less than 1e-7 m2 is. What becomes contaminated again is counted by its cause. In a tick in which a
 process was killed or stopped, all of it is `kill`; else, in one in which some living robot last reported that
-it releases, all is `release`; else what some robot had in sight until then is `retreat`, and the rest is
-`breach`: more than rounding of it in a tick is one of `breaches`.
+it releases, all is `release`; else what some robot had in sight until then, or what lay ahead of lines and
+was held by none, is `retreat`, and the rest is `breach`: more than rounding of it in a tick is one of
+`breaches`.
 
 A robot is on a line when it has a neighbour there. Events are counted as robots report them, the graph is the
 newest that any of them reported. The exact referee decides, where there is one.
@@ -155,8 +156,8 @@ class ClearMetrics:
         elif any(one.releasing for one in self._standing.values()):
             self._lost_m2["release"] += clearing.lost_m2
         else:
-            breach_m2 = clearing.lost_m2 - clearing.given_up_m2
-            self._lost_m2["retreat"] += clearing.given_up_m2
+            breach_m2 = max(0.0, clearing.lost_m2 - clearing.given_up_m2 - clearing.ahead_m2)
+            self._lost_m2["retreat"] += clearing.lost_m2 - breach_m2
             self._lost_m2["breach"] += breach_m2
             self._breaches += breach_m2 > self._breach_m2
 

@@ -20,7 +20,7 @@ from swarm_agent.sweep.beginning import Beginning
 from swarm_agent.sweep.captain import Captain
 from swarm_agent.sweep.outlook import Outlook, look, obstacle
 from swarm_agent.sweep.radio import WALL, Beacon
-from swarm_agent.sweep.reserve import Reserve, in_front
+from swarm_agent.sweep.reserve import Reserve
 from swarm_agent.sweep.robot import Robot
 from wire import codec
 from wire.clearing import Standing
@@ -171,6 +171,7 @@ class SweepLine(Behaviour):
             wall.real,
             wall.imag,
             robot.stage,
+            robot.meets,
             robot.epoch,
             robot.anchor,
             robot.courier,
@@ -193,7 +194,7 @@ class SweepLine(Behaviour):
             _name(robot.beside["left"]),
             _name(robot.beside["right"]),
             robot.claim,
-            nothing_held or (robot.role == "reserve" and in_front(robot)),
+            nothing_held,
             tuple(one for one in robot.events if one != "closed"),
             codec.encode(robot.graph.delta_since(NOTHING)) if wrote else b"",
             (wall.real, wall.imag) if robot.role == "leader" else (0.0, 0.0),

@@ -17,7 +17,6 @@ from swarm_agent.sweep.robot import Robot
 
 SETTLE_TICKS, SECOND_TICKS = 6, 150
 BESIDE_M, BESIDE_MOST_M, WALL_MOST_M = 0.3, 0.55, 0.4
-FAR_WALL_M = 9.0
 CORNER_STEPS, CORNER_RAD = 24, math.radians(60)
 WALK_M, WALK_MOST_M = 4.0, 12.0
 
@@ -65,7 +64,7 @@ class Beginning:
         self._anchor_tick, self._walked_m, self._ways = robot.tick, 0.0, []
 
     def first(self, robot: Robot) -> complex:
-        """A robot at the start: the one nearest to a wall forms the first line with another."""
+        """A robot at the start: the one with most walls around it forms the first line with another."""
         second = self._second(robot)
         if second is not None:
             return second
@@ -75,8 +74,11 @@ class Beginning:
             return 0j
         if robot.tick - robot.born < SETTLE_TICKS * robot.parameters.hop_ticks:
             return 0j
-        own = (_wall_m(robot.ranges_m), robot.number)
-        if any(one.beacon.role == "leader" or (_wall_m(one.ranges_m), one.number) < own for one in known):
+        own = (*_openness(robot, robot.ranges_m), robot.number)
+        if any(
+            one.beacon.role == "leader" or (*_openness(robot, one.ranges_m), one.number) < own
+            for one in known
+        ):
             return 0j
         return self._form(robot)
 
@@ -171,7 +173,10 @@ def _candidates(robot: Robot) -> list[Peer]:
     ]
 
 
-def _wall_m(ranges_m: np.ndarray) -> float:
-    """The distance of the nearest wall, to the centimetre."""
-    nearest_m = float(ranges_m.min())
-    return round(nearest_m, 2) if math.isfinite(nearest_m) else FAR_WALL_M
+def _openness(robot: Robot, ranges_m: np.ndarray) -> tuple[bool, int]:
+    """Is a wall out of reach, and how many rays meet none: least for who stands deepest in a corner.
+
+    Nobody is in that one's way there.
+    """
+    far = float(ranges_m.min()) > robot.parameters.obstacle_m + robot.body_m / 2
+    return far, int(np.isinf(ranges_m).sum())

@@ -3,18 +3,28 @@
 Nothing is decided before the whole line has stood still for so long that all news is from then.
 """
 
+import math
+
 import networkx
 
 from swarm_agent.graph_clear import next_vertex
+from swarm_agent.sweep.geometry import turn_rad
 from swarm_agent.sweep.outlook import Outlook, sides_open
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import GO_HOME, OTHER, SIDES, WALL, Side
+from swarm_agent.sweep.radio import GO_HOME, NOBODY, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot
+
+TOLD_TICKS = 20  # for so long a new end of a line says why it is one
 
 
 def decide(robot: Robot, outlook: Outlook) -> None:
     """Stand, split, or give up what is closed, as all that is known of the line calls for."""
+    robot.meets = NOBODY
+    if robot.tick - robot.since_role > TOLD_TICKS * robot.parameters.hop_ticks:
+        robot.stage = ""
     if robot.role == "leader":
+        if _meet(robot, outlook):
+            return
         robot.close = robot.obstacle is not None
         if robot.wall_side() == "right":
             _end_of_line(robot)
@@ -55,6 +65,51 @@ def strike_out(robot: Robot) -> None:
     for line in sorted(robot.gone & set(robot.graph.lines())):
         if line in robot.graph.lines():  # else another one before the same vertex has gone, and this with it
             robot.graph.vanish(line)
+
+
+def _meet(robot: Robot, outlook: Outlook) -> bool:
+    """Two lines that meet from the front at one wall, with nothing between them, become one. Was it so?
+
+    One of them is the main line; the island whose wall both held is behind them then.
+    """
+    side = robot.wall_side()
+    main = robot.graph.main
+    for peer in robot.peers.known.values():
+        beacon = peer.beacon
+        named = beacon.beside(OTHER[side]) == robot.number
+        faces = beacon.role == "leader" and beacon.beside(OTHER[side]) == WALL and beacon.line != robot.line
+        if main is None or main.line not in (robot.line, beacon.line) or not (named or faces):
+            continue
+        if robot.link_m(peer, side) < robot.step_m or not _is_closed_to(robot, outlook, peer, side):
+            continue
+        robot.meets, robot.old[peer.number] = peer.number, side
+        if named or beacon.meets == robot.number:
+            _become_one(robot, peer, side)
+            return True
+    return False
+
+
+def _is_closed_to(robot: Robot, outlook: Outlook, peer: Peer, side: Side) -> bool:
+    """Is there no frontier between its wall and that robot?"""
+    turned = turn_rad(outlook.ways["left"], peer.here - robot.here, "right") / math.tau
+    ray = round(turned * robot.eye.rays)
+    if ray >= len(outlook.ends):
+        return False
+    return not (outlook.frontier[:ray] if side == "left" else outlook.frontier[ray:]).any()
+
+
+def _become_one(robot: Robot, peer: Peer, side: Side) -> None:
+    """Both leaders are robots in the middle now; the line has the number of the main line."""
+    if robot.is_main:
+        flows = (peer.beacon.from_left, peer.beacon.from_right)
+        robots = robot.count + max((flow.count for flow in flows if flow), default=1)
+        if peer.beacon.line in robot.graph.lines():
+            robot.graph.meet(peer.beacon.line, robots)
+        robot.since = robot.tick
+        robot.events.append("merge")
+    robot.old.pop(peer.number, None)
+    robot.role, robot.stage, robot.since_role, robot.held_tick = "centre", "", robot.tick, robot.tick
+    robot.beside[side], robot.meets, robot.close, robot.halt = peer.number, NOBODY, False, False
 
 
 def _in_the_middle(robot: Robot, outlook: Outlook) -> None:

@@ -39,6 +39,7 @@ def _joined(robot: Robot, side: Side, before: Flow | None) -> Flow:
         robot.angle_rad,
         robot.order if side == "right" else 0,
         robot.taut if side == "left" else 0,
+        robot.meets != NOBODY,
     )
     if before is None:
         return own
@@ -55,6 +56,7 @@ def _joined(robot: Robot, side: Side, before: Flow | None) -> Flow:
         before.angle_rad,
         before.order,
         max(before.taut, own.taut),
+        before.meets or own.meets,
     )
 
 

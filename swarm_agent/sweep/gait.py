@@ -38,7 +38,7 @@ def lead(robot: Robot, outlook: Outlook) -> complex:
     if robot.angle_rad > STRAIGHT_RAD:
         robot.angle_rad = 0.0
     other = robot.told[OTHER[side]]
-    if other is None or robot.halt or robot.any_told("halt"):
+    if other is None or robot.halt or robot.any_told("halt") or robot.meets:
         return 0j
     if robot.order in (GO_BACK, GO_HOME):
         return _go_back(robot, side, other.angle_rad)

@@ -57,6 +57,7 @@ class Flow(msgspec.Struct, frozen=True, array_like=True):
     angle_rad: Angle = 0.0
     order: Order = 0
     taut: Count = 0
+    meets: bool = False
 
 
 class Measured(msgspec.Struct, frozen=True, array_like=True):
@@ -74,7 +75,7 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     `tail` robots in its file from it on. `ranges`: its scan (`sweep.peers.Eye`). `wall_x_m`, `wall_y_m`: the
     way to the wall that it holds, or would hold where it is `pinned`; `ready`: does it see the wall of its
     pinned neighbour; `close`: its neighbour must come near, for it has an obstacle ahead and is a leader.
-    `epoch`: how often the team began again, at `anchor`, with `courier` underway to tell the others.
+    `meets`: a leader of another line, with whom it would become one line. `epoch`: how often the team began again, at `anchor`, with `courier` underway to tell the others.
     `dead` robots and `gone` lines: all that it knows of.
     """
 
@@ -96,6 +97,7 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     wall_x_m: Way
     wall_y_m: Way
     stage: Stage
+    meets: Number
     epoch: Count
     anchor: Number
     courier: Number

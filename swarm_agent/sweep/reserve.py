@@ -10,7 +10,7 @@ from swarm_agent.sweep.gait import toward
 from swarm_agent.sweep.geometry import NOTHING, clearance_m, nearest, roll, unit
 from swarm_agent.sweep.links import BARELY_M, ask_in
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, Side
+from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, Side
 from swarm_agent.sweep.robot import UNRANKED, Robot
 
 ROOM_M = {"leader": 0.4, "reserve": 0.26, "free": 0.26}
@@ -24,6 +24,7 @@ BARRED_TICKS = 40
 DETOUR_M = 0.2  # who stood far behind would bend the line around walls that it has passed
 TRAVEL_M, TRAVEL_KEEP_M = 0.2, 0.25
 MOST_TAIL = 50
+STALLED_M, STALLED_TICKS = 0.3, 60
 WAIT_TICKS = 3
 
 
@@ -34,7 +35,8 @@ class Reserve:
         self.hand: Side = "left"
         self.gone_round = False
         self._asked: tuple[bool, int, int] = (False, 0, 0)
-        self._asked_tick = 0
+        self._asked_tick = self._place_tick = 0
+        self._place = 0j
 
     def begin(self, robot: Robot) -> None:
         """It has just left a line."""
@@ -61,6 +63,15 @@ class Reserve:
                 return way
         return _follow(robot, leader)
 
+    def _go_round(self, robot: Robot) -> complex:
+        """Travel; who meets another and comes no farther turns round, the courier last."""
+        if abs(robot.here - self._place) > STALLED_M:
+            self._place, self._place_tick = robot.here, robot.tick
+        patience = STALLED_TICKS * (4 if robot.courier == robot.number else 1)
+        if robot.tick - self._place_tick > patience:
+            self.hand, self._place_tick = OTHER[self.hand], robot.tick
+        return travel(robot, self.hand)
+
     def _carry_word(self, robot: Robot) -> complex:
         """The courier goes once round the walls, back to the anchor."""
         anchor = robot.peer(robot.anchor)
@@ -68,12 +79,12 @@ class Reserve:
             self.gone_round = True
         elif self.gone_round:
             robot.courier = NOBODY
-        return travel(robot, self.hand)
+        return self._go_round(robot)
 
     def _travel(self, robot: Robot) -> complex:
         if robot.graph.main is None and not robot.graph.lines() and not robot.anchor:
             return 0j
-        return travel(robot, self.hand)
+        return self._go_round(robot)
 
     def _come_in(self, robot: Robot, beside: Peer) -> complex | None:
         """Ask into a link beside that robot, if the line wants one more; or go to where that can be done."""
@@ -243,16 +254,3 @@ def _lines(robot: Robot) -> np.ndarray:
         if peer.beacon.role == "leader":
             places.append(peer.here + np.linspace(0, 1, 5) * (peer.wall - peer.here))
     return np.concatenate(places) if places else NOTHING
-
-
-def in_front(robot: Robot) -> bool:
-    """Does it stand on the contaminated side of a line that is near?"""
-    for peer in robot.peers.known.values():
-        if peer.beacon.role in BARRIER:
-            for side in SIDES:
-                other = robot.peer(peer.beacon.beside(side))
-                if other is not None and other.here != peer.here:
-                    link = (other.here - peer.here) * (1 if side == "right" else -1)
-                    if ((robot.here - peer.here) / link).imag > 0:
-                        return True
-    return False

@@ -25,6 +25,7 @@ WORN_M = 0.02  # of the range: rounding of what is told, and the rays' distance
 BODY_M = 0.03  # room that robots leave between each other
 TURNS_DEG = (0, 30, -30, 60, -60, 85, -85)
 LEAST_M = 0.004
+TURNED_M, TURNED_RAD = 0.6, math.radians(35)
 
 
 class Robot:
@@ -61,6 +62,7 @@ class Robot:
         self.linked_tick = self.held_tick = self.tick
         self.line, self.since = 0, -1
         self.pinned = self.halt = self.close = self.ready = False
+        self.meets = NOBODY
         self.obstacle: complex | None = None
         self.open = True
         self.order, self.taut, self.pushed, self.angle_rad = 0, 0, self.tick, 0.0
@@ -210,6 +212,8 @@ class Robot:
                 margin_m = self.link_m(peer, side, there)
                 if margin_m < needed_m and margin_m < self.link_m(peer, side) + 1e-6:
                     return False
+                if abs(peer.here - there) < TURNED_M and self._turns_over(peer, there):
+                    return False
         if len(self.hits):
             wall_there_m = float(np.abs(self.hits - there).min())
             if wall_there_m < wall_m and wall_there_m < float(np.abs(self.hits - self.here).min()):
@@ -217,6 +221,22 @@ class Robot:
         return all(
             abs(body - there) >= min(self.body_m + BODY_M, abs(body - self.here)) for body in self.bodies()
         )
+
+    def _turns_over(self, peer: Peer, there: complex) -> bool:
+        """Would a link come too near to the way from a leader to its wall? Beyond it, front is back."""
+        ends = [(self.here, there, self.contact, peer.here)] if self.role == "leader" else []
+        if peer.beacon.role == "leader":
+            ends.append((peer.here, peer.here, peer.wall, there))
+        for before, after, wall, other in ends:
+            now, then = abs(wall - before), abs(wall - after)
+            was = other if before != after else self.here
+            if not (now and then):
+                continue
+            angle = abs(cmath.phase((other - after) / (wall - after)))
+            angle_before = abs(cmath.phase((was - before) / (wall - before)))
+            if angle < TURNED_RAD and angle < angle_before:
+                return True
+        return False
 
     def bodies(self) -> Iterator[complex]:
         """Where others are, and where the dead were when they were last heard."""
