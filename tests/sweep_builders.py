@@ -33,6 +33,7 @@ SAID = Beacon(
     wall_x_m=0.0,
     wall_y_m=0.0,
     stage="",
+    meets=NOBODY,
     epoch=0,
     anchor=0,
     courier=0,

@@ -1,6 +1,6 @@
 """What a line knows of itself, told from neighbour to neighbour, one hop a tick, from both of its ends."""
 
-from swarm_agent.sweep.radio import MOST, OTHER, SIDES, WALL, Flow, Side
+from swarm_agent.sweep.radio import MOST, NOBODY, OTHER, SIDES, WALL, Flow, Side
 from swarm_agent.sweep.robot import Robot
 
 

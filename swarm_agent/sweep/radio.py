@@ -42,7 +42,7 @@ class Flow(msgspec.Struct, frozen=True, array_like=True):
     any held by an obstacle, `pivot`: in the middle; `want`: is there a gap that needs one more robot;
     `spare`: robots that follow them.
     `angle_rad`: of the leader at that end. `order`: what the right leader orders; `taut`: the place of the
-    robot that has pushed as far as it can.
+    robot that has pushed as far as it can. `meets`: does the leader at that end become one with another line.
     """
 
     count: Count
@@ -75,8 +75,9 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     `tail` robots in its file from it on. `ranges`: its scan (`sweep.peers.Eye`). `wall_x_m`, `wall_y_m`: the
     way to the wall that it holds, or would hold where it is `pinned`; `ready`: does it see the wall of its
     pinned neighbour; `close`: its neighbour must come near, for it has an obstacle ahead and is a leader.
-    `meets`: a leader of another line, with whom it would become one line. `epoch`: how often the team began again, at `anchor`, with `courier` underway to tell the others.
-    `dead` robots and `gone` lines: all that it knows of.
+    `meets`: a leader of another line, with whom it would become one line. `epoch`: how often the team began
+    again, at `anchor`, with `courier` underway to tell the others. `dead` robots and `gone` lines: all that
+    it knows of.
     """
 
     role: Role
