@@ -155,7 +155,7 @@ def _follow(robot: Robot, peer: Peer, side: Side) -> None:
     if beacon.role == "leaving" and robot.role != "leaving" and beyond is not None and back == robot.number:
         near = abs(beyond.here - robot.here) <= robot.parameters.follow_m
         agreed = side == "right" or beyond.beacon.right == robot.number
-        if near and agreed and robot.link_m(beyond, side) >= robot.step_m:
+        if near and agreed and robot.link_m(beyond, side) >= robot.needed_m(beyond):
             _relink(robot, side, onward)
         return
     if robot.role == "leaving" or robot.ready:
