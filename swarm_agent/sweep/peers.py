@@ -93,7 +93,7 @@ class Peers:
         self.lost: dict[int, Peer] = {}
         """Those who have not been heard for too long, as they were."""
         self.measured: tuple[Measured, ...] = ()
-        """The last bearing of everybody heard of late: told again, for the frame that said it may be lost."""
+        """Bearings of all that was heard now, and the last one of who was not: what was said may be lost."""
         self._own, self._eye, self._dead_ticks = own, eye, dead_ticks
         self._trace: dict[int, complex] = {}
         self._bearings: dict[tuple[int, int], float] = {}
@@ -106,13 +106,13 @@ class Peers:
         oldest = tick - REMEMBERED_TICKS
         self._trace = {at: place for at, place in self._trace.items() if at > oldest}
         self._bearings = {key: one for key, one in self._bearings.items() if key[1] > oldest}
-        last = {one.number: one for one in self.measured if tick - one.tick <= self._dead_ticks}
-        for one in heard:
-            told = Measured(number_of(one.sender), one.sent_tick, one.bearing_rad)
+        now = tuple(Measured(number_of(one.sender), one.sent_tick, one.bearing_rad) for one in heard)
+        for told, one in zip(now, heard, strict=True):
             self._bearings[told.number, told.tick] = told.bearing_rad
             self._meet(told.number, one)
-            last[told.number] = told
-        self.measured = tuple(last.values())
+        last = {one.number: one for one in self.measured if tick - one.tick <= self._dead_ticks}
+        missed = last.keys() - {one.number for one in now}
+        self.measured = now + tuple(last[number] for number in sorted(missed))
         silent = {number for number, peer in self.known.items() if tick - peer.tick > self._dead_ticks}
         self.lost |= {number: self.known.pop(number) for number in silent}
         for number in self.known:
