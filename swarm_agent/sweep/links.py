@@ -125,7 +125,11 @@ def _is_dissolved(robot: Robot, peer: Peer, side: Side) -> bool:
 
 
 def _is_passed_over(robot: Robot) -> bool:
-    """Do both neighbours hold each other, or another robot in its place? Or has it had no news for a while?"""
+    """Do both neighbours hold each other, or another robot in its place? Or has it had no news for a while?
+
+    Of two robots that have the same neighbours only the one with the higher number gives way: news is late, and
+    each might see that both hold the other.
+    """
     left, right = (robot.neighbour(side) for side in SIDES)
     if left is None or right is None:
         return False
@@ -138,7 +142,9 @@ def _is_passed_over(robot: Robot) -> bool:
     instead = robot.peer(left.beacon.right)
     return (
         instead is not None
+        and instead.number < robot.number
         and instead.beacon.role in BARRIER
+        and right.beacon.left == instead.number
         and (instead.beacon.left, instead.beacon.right) == (left.number, right.number)
         and robot.margin_m(instead.here, right.here, robot.walls(instead, right)) >= robot.step_m
     )
@@ -168,11 +174,24 @@ def _follow(robot: Robot, peer: Peer, side: Side) -> None:
         if agreed and robot.link_m(one, side) >= BARELY_M:
             _relink(robot, side, one.number)
             return
-    if back != robot.number and beacon.role != "joining":
+    instead = _instead(robot, peer) if side == "left" else None
+    if instead is not None:
+        _relink(robot, side, instead.number)
+    elif back != robot.number and beacon.role != "joining":
         if _answers(robot, peer):
             _turn_back(robot, side)
     elif beacon.role == "joining" and side == "right" and robot.tick - robot.linked_tick > _patience(robot):
         _turn_back(robot, side)
+
+
+def _instead(robot: Robot, peer: Peer) -> Peer | None:
+    """Who claims the place of a left neighbour, if the robot on the left of both holds that one."""
+    left = robot.peer(peer.beacon.left)
+    one = robot.peer(left.beacon.right) if left is not None else None
+    if one is None or one is peer or one.beacon.role not in BARRIER:
+        return None
+    fits = (one.beacon.left, one.beacon.right) == (left.number, robot.number)
+    return one if fits and robot.link_m(one, "left") >= BARELY_M else None
 
 
 def _turn_back(robot: Robot, side: Side) -> None:
