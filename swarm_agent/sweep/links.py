@@ -166,7 +166,7 @@ def _follow(robot: Robot, peer: Peer, side: Side) -> None:
         return
     if robot.role == "leaving" or robot.ready:
         return
-    for one in robot.peers.known.values():
+    for one in robot.peers.known.values() if beacon.role in BARRIER else ():  # one comes in after the other
         asks = one.beacon.role == "joining" and one.beacon.beside(side) == peer.number
         if not asks or one.beacon.beside(OTHER[side]) != robot.number or one.number in robot.refused:
             continue
