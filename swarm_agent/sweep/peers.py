@@ -119,7 +119,7 @@ class Peers:
             self.lost.pop(number, None)
 
     def _was_at(self, tick: int) -> complex:
-        """Its own place when a tick was over: that of the next tick it knows, for it moves only when granted."""
+        """Its own place when a tick was over: it moves only when granted, so the next one known is it."""
         return self._trace[min(at for at in self._trace if at >= tick)]
 
     def _meet(self, sender: int, one: Heard) -> None:

@@ -164,7 +164,7 @@ class Robot:
         return np.concatenate((self.hits, *(peer.hits for peer in peers)))
 
     def needed_m(self, peer: Peer) -> float:
-        """The margin that a link needs to be safe: so far another robot may have come when this tick is over."""
+        """The margin that a link needs: so far another robot may have come by the end of this tick."""
         return self.step_m * (self.tick - peer.tick)
 
     def margin_m(
