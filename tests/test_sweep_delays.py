@@ -61,7 +61,7 @@ def test_a_floor_is_cleared_whatever_is_late_lost_or_slow(name, trouble):
 def test_who_lives_is_taken_for_dead_less_than_once_in_a_million_hours(
     tick_s, loss, latency_ticks, grant_ticks
 ):
-    """Deaths by frames lost in a row, as many as fit into the silence, whatever tick the hearer is granted."""
+    """By loss alone: all frames of that silence are lost, in whatever tick the hearer is granted."""
     settled = Parameters().in_air(Air(tick_s, latency_ticks, loss, grant_ticks))
     oldest_ticks = latency_ticks + grant_ticks - 1  # of the newest news, where no frame is lost
     lost = 0

@@ -127,8 +127,8 @@ def _is_dissolved(robot: Robot, peer: Peer, side: Side) -> bool:
 def _is_passed_over(robot: Robot) -> bool:
     """Do both neighbours hold each other, or another robot in its place? Or has it had no news for a while?
 
-    Of two robots that have the same neighbours only the one with the higher number gives way: news is late, and
-    each might see that both hold the other.
+    Of two robots that have the same neighbours only the one with the higher number gives way: news is late,
+    and each might see that both hold the other.
     """
     left, right = (robot.neighbour(side) for side in SIDES)
     if left is None or right is None:
