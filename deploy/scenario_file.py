@@ -170,7 +170,11 @@ def _with_parameters(section: Any, package: str, team_size: int, air: Air, place
         raise ScenarioError(f"{place}.behaviour: {error}") from None
     except msgspec.ValidationError as error:
         kind = behaviour.Parameters
-        raise ScenarioError(f"{place}.parameters.{explain(str(error), section.parameters, kind)}") from None
+        what = explain(str(error), section.parameters, kind)
+        if "is not a field" in what and "did you mean" not in what:
+            part = place.rpartition(" ")[2]
+            what += f"; --set {part}.parameters={{}} drops those of the scenario"
+        raise ScenarioError(f"{place}.parameters.{what}") from None
     except ValueError as error:
         raise ScenarioError(f"{place}.parameters: {error}") from None
     return msgspec.structs.replace(section, parameters=_without_none(msgspec.to_builtins(parameters)))

@@ -7,7 +7,7 @@ import msgspec
 from hypothesis import strategies as st
 
 from swarm_agent.graph_copy import Delta, Edge, Moving, Version, Vertex
-from swarm_agent.sweep.radio import Beacon, Flow, Measured
+from swarm_agent.sweep.radio import SIDES, Beacon, Flow, Measured
 
 NUMBERS = st.sampled_from((-1, 0, 1, 2, 3, 4, 5, 6, 7, 9999))
 COUNTS = st.sampled_from((0, 1, 2, 3, 7, 9_999, 10_000))
@@ -67,7 +67,8 @@ FIELDS: dict[str, st.SearchStrategy[Any]] = {
     "meets": NUMBERS,
     "epoch": COUNTS,
     "anchor": NUMBERS,
-    "courier": NUMBERS,
+    "couriers": st.lists(NUMBERS, **FEW).map(tuple),
+    "hand": st.sampled_from(SIDES),
     "dead": st.lists(NUMBERS, **FEW).map(tuple),
     "gone": st.lists(NUMBERS, **FEW).map(tuple),
     "version": VERSIONS,

@@ -15,7 +15,7 @@ RANGE = '{kind="range",range_m=2.0}'
 LOSS = '{kind="loss",probability=0.05}'
 SLOW = 'faults=[{at_s=0,verb="slow",nodes=["r3"],every=10}]'
 LATE = {ticks: f'{{kind="latency",ticks={ticks}}}' for ticks in (1, 2)}
-NO_MORE_S = {"late": 170, "later": 200, "lost": 170, "slow": 1000, "all": 1000}
+NO_MORE_S = {"late": 170, "later": 200, "lost": 170, "slow": 1200, "all": 1500}
 SETTINGS = {
     "late": [f"radio.rules=[{RANGE},{LATE[1]}]"],
     "later": [f"radio.rules=[{RANGE},{LATE[2]}]"],

@@ -14,7 +14,8 @@ class Standing(Message):
     neighbours on the line. `releasing`: it gives up cleared ground on purpose. `events`: what it has decided
     since its last report, each told by one robot only: "split", "search", "search_failed", "dissolve",
     "merge", "restart". `graph`: its surveillance graph, whole, as swarm_agent.graph_copy.Delta. `wall_m`: the
-    way to the wall that it holds as an end of its line, forward and to the left of its body.
+    way to the wall that it holds as an end of its line, forward and to the left of its body. `epoch`: how
+    often its team has begun again, as far as it knows.
     """
 
     role: str = ""
@@ -27,6 +28,7 @@ class Standing(Message):
     events: tuple[str, ...] = ()
     graph: bytes = b""
     wall_m: tuple[float, float] = (0.0, 0.0)
+    epoch: Count = 0
 
 
 class Clearing(Message):

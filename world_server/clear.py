@@ -134,11 +134,14 @@ class Clear(Mission):
         return self._judges.said(tick, self._lines)
 
     def _lines(self) -> list[Line]:
-        """Lines from wall to wall that living robots last said they form, where they really stand."""
-        robots = {}
+        """Lines from wall to wall that living robots last said they form, where they really stand.
+
+        Lines of robots that have not heard yet that the team began again hold nothing.
+        """
+        robots, newest = {}, max((standing.epoch for standing in self._standing.values()), default=0)
         for row, node in self._robots.items():
             standing = self._standing.get(row)
-            if standing is not None and node.mode == ALIVE:
+            if standing is not None and node.mode == ALIVE and standing.epoch == newest:
                 wall_m = seen_from(node.body.pose, standing.wall_m)
                 place_m = (node.body.x_m, node.body.y_m)
                 robots[node.name] = (standing.left, standing.right, place_m, wall_m)

@@ -15,7 +15,7 @@ from wire.fields import Point
 
 BESIDE_M = 0.01  # from a link, to see what is ahead of it and what behind
 WIDTH_M = 1e-4
-BEYOND = 1.05  # of the way to a wall, so that no slit is left there
+BEYOND_M = 0.1  # into a wall, so that no slit is left there: ends move on after they have measured
 
 Line = Sequence[Point]
 """From the wall at its left end over its robots to the wall at its right end, the contaminated side ahead."""
@@ -49,8 +49,9 @@ def ahead_of(plan: shapely.Polygon, lines: Iterable[Line]) -> shapely.Geometry:
 def _lengthened(line: Line) -> np.ndarray:
     """The line, with both ends a little into their walls: float64, (points, 2)."""
     points = np.array(line, dtype=float)
-    points[0] = points[1] + BEYOND * (points[0] - points[1])
-    points[-1] = points[-2] + BEYOND * (points[-1] - points[-2])
+    for end, robot in ((0, 1), (-1, -2)):
+        way = points[end] - points[robot]
+        points[end] += BEYOND_M / max(float(np.hypot(*way)), 1e-9) * way
     return points
 
 

@@ -41,8 +41,8 @@ class Parameters(BaseParameters, frozen=True):
     split line moves on, the one with more or with fewer robots. `team`: how many robots there are; None: all
     of the scenario. `dead_ticks`: who is silent for longer is dead. `hop_ticks`: how long news takes from one
     robot to the next, the slowest robot included. None: as the scenario's radio and faults call for.
-    `patience_ticks`: how long to wait for robots that should come; `beginnings`: how often to begin again
-    elsewhere before the team says that it failed.
+    `patience_ticks`: how long to wait for one more robot that should come; `beginnings`: how often to begin
+    again elsewhere before the team says that it failed.
     """
 
     follow_m: Metres = 1.0
@@ -52,7 +52,7 @@ class Parameters(BaseParameters, frozen=True):
     team: Annotated[int, msgspec.Meta(ge=1)] | None = None
     dead_ticks: Ticks | None = None
     hop_ticks: Ticks | None = None
-    patience_ticks: Ticks = 2500
+    patience_ticks: Ticks = 1000
     beginnings: Annotated[int, msgspec.Meta(ge=0)] = 6
 
     def settled(self, team_size: int) -> Self:
@@ -189,7 +189,8 @@ class SweepLine(Behaviour):
             robot.meets,
             robot.epoch,
             robot.anchor,
-            robot.courier,
+            robot.couriers,
+            self.reserve.hand,
             tuple(sorted(robot.dead)),
             tuple(sorted(robot.gone)),
             version,
@@ -213,6 +214,7 @@ class SweepLine(Behaviour):
             tuple(one for one in robot.events if one != "closed"),
             codec.encode(robot.graph.delta_since(NOTHING)) if wrote else b"",
             (wall.real, wall.imag) if robot.role == "leader" else (0.0, 0.0),
+            robot.epoch,
         )
 
 

@@ -2,7 +2,7 @@
 
 The first line is two leaders at one place of a wall, so close that nothing is between them and the wall that
 they do not see. After a loss that cannot be mended, or when no line can go on, one robot is the anchor: all
-others that hear of it come to it, and a courier goes round the walls to tell those who are far.
+others that hear of it come to it, and two couriers go round the walls, each its way, to tell who is far.
 """
 
 import math
@@ -11,14 +11,17 @@ import numpy as np
 
 from swarm_agent.sweep.geometry import nearest, turn_rad, unit
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import WALL
-from swarm_agent.sweep.reserve import Reserve, travel
+from swarm_agent.sweep.radio import MOST, OTHER, SIDES, WALL, Side
+from swarm_agent.sweep.reserve import Reserve, is_clear, travel
 from swarm_agent.sweep.robot import Robot
 
-SETTLE_TICKS, SECOND_TICKS = 6, 150
+SETTLE_TICKS, SECOND_TICKS = 6, 40
 BESIDE_M, BESIDE_MOST_M, WALL_MOST_M = 0.3, 0.55, 0.4
+BESIDE_WALL_M = 0.02
 CORNER_STEPS, CORNER_RAD = 24, math.radians(60)
 WALK_M, WALK_MOST_M = 4.0, 12.0
+COURIERS = 2
+GATHER = 2  # times the patience, for the first to come has the longest way
 
 
 class Beginning:
@@ -26,9 +29,11 @@ class Beginning:
 
     def __init__(self) -> None:
         self.beginnings = 0
-        self._anchor_tick = self._chosen_tick = 0
+        self._arrival_tick = self._chosen_tick = self._most_here = 0
         self._walked_m = 0.0
         self._ways: list[complex] = []
+        self._asked: list[int] = []
+        """Who did not come when it was asked to be the second leader."""
 
     def hear(self, robot: Robot, reserve: Reserve) -> None:
         """Take over who is dead, and that the team begins again."""
@@ -38,13 +43,20 @@ class Beginning:
             robot.gone.update(beacon.gone)
             newer = beacon.epoch > robot.epoch
             if newer or (beacon.epoch == robot.epoch and 0 < beacon.anchor < robot.anchor):
-                robot.epoch, robot.anchor, robot.courier = beacon.epoch, beacon.anchor, beacon.courier
+                robot.epoch, robot.anchor, robot.couriers = beacon.epoch, beacon.anchor, beacon.couriers
                 robot.become("reserve", "gone")
                 reserve.begin(robot)
-                reserve.gone_round = False
+                reserve.underway = reserve.gone_round = False
                 robot.claim = ""
-                if robot.number == robot.courier or peer.number == robot.courier:
-                    reserve.hand = "right"
+                reserve.hand = self._hand(robot, peer)
+
+    @staticmethod
+    def _hand(robot: Robot, teller: Peer) -> Side:
+        """Couriers go away from the anchor, each its way; who is told comes back the way that they went."""
+        if robot.number in robot.couriers:
+            return SIDES[robot.couriers.index(robot.number) % 2]
+        hand = teller.beacon.hand
+        return OTHER[hand] if teller.number in robot.couriers else hand
 
     def again(self, robot: Robot) -> None:
         """All that was clear is given up, here and now; this robot is the anchor."""
@@ -53,15 +65,17 @@ class Beginning:
             graph.release(None)
         while lines := graph.lines():
             graph.release(min(lines))
-        near = [peer.number for peer in robot.peers.known.values()]
-        near = near if len(near) + 1 < robot.team else []
+        near = sorted(
+            robot.peers.known.values(), key=lambda one: (not is_clear(robot, one), abs(one.here - robot.here))
+        )
+        couriers = tuple(one.number for one in near[:COURIERS]) if len(near) + 1 < robot.team else ()
         robot.become("anchor", "gathering")
-        robot.contact = nearest(robot.hits, robot.here) or robot.here
-        robot.epoch, robot.anchor, robot.courier = robot.epoch + 1, robot.number, max(near, default=0)
+        robot.contact = robot.nearest_wall() or robot.here
+        robot.epoch, robot.anchor, robot.couriers = robot.epoch + 1, robot.number, couriers
         robot.claim = ""
         robot.events.append("restart")
         self.beginnings += 1
-        self._anchor_tick, self._walked_m, self._ways = robot.tick, 0.0, []
+        self._arrival_tick, self._most_here, self._walked_m, self._ways = robot.tick, 0, 0.0, []
 
     def first(self, robot: Robot) -> complex:
         """A robot at the start: the one with most walls around it forms the first line with another."""
@@ -74,23 +88,38 @@ class Beginning:
             return 0j
         if robot.tick - robot.born < SETTLE_TICKS * robot.parameters.hop_ticks:
             return 0j
-        own = (*_openness(robot, robot.ranges_m), robot.number)
-        if any(
-            one.beacon.role == "leader" or (*_openness(robot, one.ranges_m), one.number) < own
-            for one in known
-        ):
+        if any(one.beacon.role == "leader" for one in known) or not self._is_first(robot):
+            robot.stage = ""
             return 0j
+        robot.stage = "forming"
         return self._form(robot)
+
+    def _is_first(self, robot: Robot) -> bool:
+        """Is it the one to form a line: of those who have begun to, else of all, who stands deepest?"""
+        known = robot.peers.known.values()
+        begun = [one for one in known if one.beacon.role == "free" and one.beacon.stage == "forming"]
+        if begun or robot.stage == "forming":
+            return robot.stage == "forming" and robot.number < min(
+                (one.number for one in begun), default=MOST
+            )
+        told_m = robot.eye.unpacked(robot.eye.packed(robot.ranges_m))  # as the others have it
+        own = (*_openness(robot, told_m), robot.number)
+        return all((*_openness(robot, one.ranges_m), one.number) > own for one in known)
 
     def gather(self, robot: Robot) -> complex:
         """The anchor: it walks on to a corner if this is not the first time, waits for all, and forms."""
         if self.beginnings > 1 and self._walked_m < WALK_MOST_M:
             return self._walk(robot)
-        waited = robot.tick - self._anchor_tick
+        way = _to_wall(robot)
+        if way:
+            return way
         here = 1 + sum(
             peer.beacon.tail for peer in robot.peers.known.values() if peer.beacon.ahead == robot.number
         )
-        if here < 2 or (here < robot.team and waited < robot.parameters.patience_ticks):
+        if here > self._most_here:
+            self._most_here, self._arrival_tick = here, robot.tick
+        waited = robot.tick - self._arrival_tick
+        if here < 2 or (here < robot.team and waited < GATHER * robot.parameters.patience_ticks):
             return 0j
         return self._form(robot)
 
@@ -100,9 +129,10 @@ class Beginning:
         if other is not None and other.beacon.left == robot.number:
             robot.stage = ""
         elif other is None or robot.tick - self._chosen_tick > SECOND_TICKS:
-            near = _candidates(robot)
+            near = [one for one in _candidates(robot) if one.number not in self._asked]
+            self._asked = [*self._asked, robot.beside["right"]] if near else []
             if near:
-                robot.beside["right"] = near[robot.tick // SECOND_TICKS % len(near)].number
+                robot.beside["right"] = _nearest_to_spot(robot, near).number
             self._chosen_tick = robot.tick
 
     def second(self, robot: Robot) -> complex | None:
@@ -120,22 +150,16 @@ class Beginning:
         return way
 
     def _form(self, robot: Robot) -> complex:
-        wall = nearest(robot.hits, robot.here)
-        if wall is None:
-            seen = [peer.hits for peer in robot.peers.known.values()]
-            wall = nearest(np.concatenate(seen), robot.here) if seen else None
-            return robot.best(robot.step_m if wall is None else wall - robot.here, holds=False)
-        robot.contact = wall
-        if abs(wall - robot.here) > robot.parameters.obstacle_m + 0.02:
-            return robot.best(wall - robot.here, holds=False, wall_m=0.1)
+        way = _to_wall(robot)
+        if way is not None:
+            return way
+        wall = robot.contact
         near = _candidates(robot)
         if near:
-            spot = robot.here - 1j * unit(robot.here - wall) * BESIDE_M
-            other = min(near, key=lambda one: abs(one.here - spot))
             robot.become("leader", "forming")
-            robot.beside = {"left": WALL, "right": other.number}
             robot.since, robot.contact = robot.tick, wall
-            self._chosen_tick = robot.tick
+            robot.beside = {"left": WALL, "right": _nearest_to_spot(robot, near).number}
+            self._chosen_tick, self._asked = robot.tick, []
         return 0j
 
     def _second(self, robot: Robot) -> complex | None:
@@ -146,6 +170,17 @@ class Beginning:
             if beacon.stage == "forming" and beacon.right == robot.number and beacon.epoch == robot.epoch:
                 return _stand_beside(robot, peer)
         return None
+
+
+def _to_wall(robot: Robot) -> complex | None:
+    """A step to the nearest wall; None beside it."""
+    wall = robot.nearest_wall()
+    if wall is None:
+        return robot.best(robot.step_m + 0j, holds=False)
+    robot.contact = wall
+    if len(robot.hits) and abs(wall - robot.here) <= robot.parameters.obstacle_m + BESIDE_WALL_M:
+        return None
+    return robot.best(wall - robot.here, holds=False, wall_m=0.1)
 
 
 def _stand_beside(robot: Robot, first: Peer) -> complex:
@@ -161,6 +196,12 @@ def _stand_beside(robot: Robot, first: Peer) -> complex:
         robot.graph.begin(2)
         return 0j
     return robot.best(first.here + right * BESIDE_M - robot.here, holds=False)
+
+
+def _nearest_to_spot(robot: Robot, peers: list[Peer]) -> Peer:
+    """Who is nearest to the place of the second leader."""
+    spot = robot.here - 1j * unit(robot.here - robot.contact) * BESIDE_M
+    return min(peers, key=lambda one: abs(one.here - spot))
 
 
 def _candidates(robot: Robot) -> list[Peer]:

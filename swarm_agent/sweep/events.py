@@ -3,13 +3,10 @@
 Nothing is decided before the whole line has stood still for so long that all news is from then.
 """
 
-import math
-
 import networkx
 
 from swarm_agent.graph_clear import next_vertex
-from swarm_agent.sweep.geometry import turn_rad
-from swarm_agent.sweep.outlook import Outlook, sides_open
+from swarm_agent.sweep.outlook import Outlook, is_closed_to, sides_open
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import GO_HOME, NOBODY, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot
@@ -19,11 +16,11 @@ TOLD_TICKS = 20  # for so long a new end of a line says why it is one
 
 def decide(robot: Robot, outlook: Outlook) -> None:
     """Stand, split, or give up what is closed, as all that is known of the line calls for."""
-    robot.meets = NOBODY
+    met, robot.meets = robot.meets, NOBODY
     if robot.tick - robot.since_role > TOLD_TICKS * robot.parameters.hop_ticks:
         robot.stage = ""
     if robot.role == "leader":
-        if _meet(robot, outlook):
+        if _meet(robot, outlook, met):
             return
         robot.close = robot.obstacle is not None
         if robot.wall_side() == "right":
@@ -67,35 +64,49 @@ def strike_out(robot: Robot) -> None:
             robot.graph.vanish(line)
 
 
-def _meet(robot: Robot, outlook: Outlook) -> bool:
+def _meet(robot: Robot, outlook: Outlook, met: int) -> bool:
     """Two lines that meet from the front at one wall, with nothing between them, become one. Was it so?
 
-    One of them is the main line; the island whose wall both held is behind them then.
+    One of them is the main line, whose leader comes first; the island whose wall both held is behind them.
     """
     side = robot.wall_side()
     main = robot.graph.main
+    if robot.any_told("meets"):
+        robot.other_met_tick = robot.tick
     for peer in robot.peers.known.values():
         beacon = peer.beacon
         named = beacon.beside(OTHER[side]) == robot.number
         faces = beacon.role == "leader" and beacon.beside(OTHER[side]) == WALL and beacon.line != robot.line
         if main is None or main.line not in (robot.line, beacon.line) or not (named or faces):
             continue
-        if robot.link_m(peer, side) < robot.step_m or not _is_closed_to(robot, outlook, peer, side):
+        if robot.link_m(peer, side) < robot.step_m or not is_closed_to(robot, outlook, peer, side):
+            continue
+        if robot.is_main and not met and robot.tick <= robot.other_met_tick + 2 * _heard_ticks(robot):
             continue
         robot.meets, robot.old[peer.number] = peer.number, side
-        if named or beacon.meets == robot.number:
+        if met != peer.number:
+            robot.met_tick = robot.tick
+        if named or (robot.is_main and beacon.meets == robot.number and _is_first(robot, side)):
             _become_one(robot, peer, side)
             return True
     return False
 
 
-def _is_closed_to(robot: Robot, outlook: Outlook, peer: Peer, side: Side) -> bool:
-    """Is there no frontier between its wall and that robot?"""
-    turned = turn_rad(outlook.ways["left"], peer.here - robot.here, "right") / math.tau
-    ray = round(turned * robot.eye.rays)
-    if ray >= len(outlook.ends):
-        return False
-    return not (outlook.frontier[:ray] if side == "left" else outlook.frontier[ray:]).any()
+def _is_first(robot: Robot, side: Side) -> bool:
+    """Does the other end of the line not meet anybody at the same time? The right end need not ask.
+
+    If both did, a line could lose both its ends.
+    """
+    if side == "right":
+        return True
+    told = robot.told["right"]
+    since = max(robot.met_tick, robot.other_met_tick) + _heard_ticks(robot)
+    return told is not None and not told.meets and told.since >= since
+
+
+def _heard_ticks(robot: Robot) -> int:
+    """By then the other end of the line has heard of something, and more."""
+    return 2 * robot.count * robot.parameters.hop_ticks
 
 
 def _become_one(robot: Robot, peer: Peer, side: Side) -> None:

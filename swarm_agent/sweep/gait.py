@@ -21,12 +21,13 @@ ALIKE_RAD = 0.01
 LOST_M = 0.2  # a leader that finds no wall so near to where it was before does not know its wall any more
 BODIES_M = 0.36
 HOLD_M = 0.5  # a leader goes no farther from its wall
-FARTHEST_M = 0.45  # from its wall, for who comes near to it again while it goes
+FARTHEST_M = 0.6  # from its wall, for who comes near to it again while it goes
 ASIDE_DEG = (0, 20, 40, 60, 80, 100)
 APART_M, TOGETHER_M = 0.34, 0.25
 REST_M, NEARER_M, TRY_TICKS = 0.025, 0.08, 12
 RESTED_M = 0.08
 TAUT_TICKS = 12
+ANSWER_TICKS = 40
 
 
 def lead(robot: Robot, outlook: Outlook) -> complex:
@@ -38,7 +39,7 @@ def lead(robot: Robot, outlook: Outlook) -> complex:
     if robot.angle_rad > STRAIGHT_RAD:
         robot.angle_rad = 0.0
     other = robot.told[OTHER[side]]
-    if other is None or robot.halt or robot.any_told("halt") or robot.meets:
+    if other is None or robot.halt or robot.any_told("halt") or _awaits(robot):
         return 0j
     if robot.order in (GO_BACK, GO_HOME):
         return _go_back(robot, side, other.angle_rad)
@@ -48,6 +49,11 @@ def lead(robot: Robot, outlook: Outlook) -> complex:
     if not shortens and not may_grow(robot, other.angle_rad):
         return 0j
     return _go(robot, way, side)
+
+
+def _awaits(robot: Robot) -> bool:
+    """Does it stand until another line has answered? Only for a while: from nearer both may see more."""
+    return robot.meets > 0 and robot.tick - robot.met_tick <= ANSWER_TICKS * robot.parameters.hop_ticks
 
 
 def _go(robot: Robot, way: complex, hand: Side) -> complex:

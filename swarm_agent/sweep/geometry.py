@@ -35,6 +35,17 @@ def turn_rad(first: complex, last: complex, hand: str) -> float:
     return cmath.phase(last / first if hand == "left" else first / last) % math.tau
 
 
+def crosses(start: complex, end: complex, other_start: complex, other_end: complex) -> bool:
+    """Do two straight ways cross?"""
+
+    def beside(place: complex, begin: complex, to: complex) -> bool:
+        return ((place - begin) * (to - begin).conjugate()).imag > 0
+
+    return beside(start, other_start, other_end) != beside(end, other_start, other_end) and beside(
+        other_start, start, end
+    ) != beside(other_end, start, end)
+
+
 def unit(way: complex) -> complex:
     """The direction of a way; 1 of none."""
     return way / abs(way) if way else 1 + 0j

@@ -1,18 +1,20 @@
 """What a robot on a line has ahead of it: its frontier, its own wall, and obstacles.
 
 Ahead is the contaminated side: clockwise from the way to its left neighbour, or wall, to its right one. A
-frontier is where what it sees ends without a wall and nobody of a line sees on. A line without frontier has
+frontier is where what it sees ends without a wall and nobody of its line sees on. A line without frontier has
 nothing ahead that an intruder could be in.
 
 Source: frontiers are those of Durham, Franchi and Bullo, 2012; the paper's robots have none.
 """
 
 import math
+from collections.abc import Container
 from typing import NamedTuple
 
 import numpy as np
 
 from swarm_agent.sweep.geometry import shortened, turn_rad, unit
+from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot
 
@@ -44,13 +46,28 @@ def look(robot: Robot) -> Outlook:
     ranges_m = robot.ranges_m[ahead]
     walls = np.isfinite(ranges_m)
     ends = robot.here + np.where(walls, ranges_m, eye.detect_m) * eye.units[ahead]
-    frontier = ~walls & ~_covered(robot, ends)
+    own = _own_wall(robot, ends, walls, eye.units[ahead], ways)
+    return Outlook(ends, walls, own, _frontier(robot, ends, walls, {robot.line}), ways)
+
+
+def is_closed_to(robot: Robot, outlook: Outlook, peer: Peer, side: Side) -> bool:
+    """Is nothing between the wall of a leader and a robot of another line that neither line sees?"""
+    turned = turn_rad(outlook.ways["left"], peer.here - robot.here, "right") / math.tau
+    ray = round(turned * robot.eye.rays)
+    if ray >= len(outlook.ends):
+        return False
+    frontier = _frontier(robot, outlook.ends, outlook.walls, {robot.line, peer.beacon.line})
+    return not (frontier[:ray] if side == "left" else frontier[ray:]).any()
+
+
+def _frontier(robot: Robot, ends: np.ndarray, walls: np.ndarray, lines: Container[int]) -> np.ndarray:
+    """Which rays end where nobody of some lines sees on."""
+    frontier = ~walls & ~_covered(robot, ends, lines)
     jumps = np.abs(np.diff(ends)) > JOINED_M
     for ray in np.flatnonzero(jumps & (walls[1:] | walls[:-1])):
-        if not _covered(robot, ends[ray] + BETWEEN * (ends[ray + 1] - ends[ray])).all():
+        if not _covered(robot, ends[ray] + BETWEEN * (ends[ray + 1] - ends[ray]), lines).all():
             frontier[ray] = True
-    own = _own_wall(robot, ends, walls, eye.units[ahead], ways)
-    return Outlook(ends, walls, own, frontier, ways)
+    return frontier
 
 
 def obstacle(robot: Robot, outlook: Outlook) -> complex | None:
@@ -88,11 +105,15 @@ def _way(robot: Robot, side: Side) -> complex:
     return robot.toward(peer, side) if peer is not None else 1 + 0j
 
 
-def _covered(robot: Robot, places: np.ndarray) -> np.ndarray:
-    """Which places are seen by somebody else on a line."""
+def _covered(robot: Robot, places: np.ndarray, lines: Container[int]) -> np.ndarray:
+    """Which places are seen by somebody else on one of some lines."""
     covered = np.zeros(len(places), dtype=bool)
     for peer in robot.peers.known.values():
-        if peer.beacon.role in BARRIER and abs(peer.here - robot.here) < 2 * robot.eye.detect_m:
+        if (
+            peer.beacon.role in BARRIER
+            and peer.beacon.line in lines
+            and abs(peer.here - robot.here) < 2 * robot.eye.detect_m
+        ):
             covered |= peer.sees(places)
     return covered
 

@@ -76,8 +76,8 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     way to the wall that it holds, or would hold where it is `pinned`; `ready`: does it see the wall of its
     pinned neighbour; `close`: its neighbour must come near, for it has an obstacle ahead and is a leader.
     `meets`: a leader of another line, with whom it would become one line. `epoch`: how often the team began
-    again, at `anchor`, with `courier` underway to tell the others. `dead` robots and `gone` lines: all that
-    it knows of.
+    again, at `anchor`, with `couriers` underway to tell the others; `hand`: where it keeps walls when it
+    travels. `dead` robots and `gone` lines: all that it knows of.
     """
 
     role: Role
@@ -101,7 +101,8 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     meets: Number
     epoch: Count
     anchor: Number
-    courier: Number
+    couriers: tuple[Number, ...]
+    hand: Side
     dead: tuple[Number, ...]
     gone: tuple[Number, ...]
     version: Version

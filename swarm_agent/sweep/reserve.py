@@ -7,10 +7,10 @@ all on the same hand; so it meets every line there is on that ring of walls.
 import numpy as np
 
 from swarm_agent.sweep.gait import toward
-from swarm_agent.sweep.geometry import NOTHING, clearance_m, nearest, roll, unit
+from swarm_agent.sweep.geometry import NOTHING, clearance_m, crosses, nearest, roll, unit
 from swarm_agent.sweep.links import BARELY_M, ask_in
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, Side
+from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, WALL, Side
 from swarm_agent.sweep.robot import UNRANKED, Robot
 
 ROOM_M = {"leader": 0.4, "reserve": 0.26, "free": 0.26}
@@ -26,6 +26,7 @@ TRAVEL_M, TRAVEL_KEEP_M = 0.2, 0.25
 MOST_TAIL = 50
 STALLED_M, STALLED_TICKS = 0.3, 60
 WAIT_TICKS = 3
+DEPART_M = 0.5
 
 
 class Reserve:
@@ -33,7 +34,7 @@ class Reserve:
 
     def __init__(self) -> None:
         self.hand: Side = "left"
-        self.gone_round = False
+        self.underway = self.gone_round = False
         self._asked: tuple[bool, int, int] = (False, 0, 0)
         self._asked_tick = self._place_tick = 0
         self._place = 0j
@@ -41,14 +42,14 @@ class Reserve:
     def begin(self, robot: Robot) -> None:
         """It has just left a line."""
         self.hand = "left"
-        robot.contact = nearest(robot.hits, robot.here) or robot.here
+        robot.contact = robot.nearest_wall() or robot.here
 
     def way(self, robot: Robot) -> complex:
         """Where to go now. It may ask to come into the line instead."""
         room = _make_room(robot)
         if room:
             return room
-        if robot.courier == robot.number:
+        if robot.number in robot.couriers:
             robot.ahead, robot.rank = NOBODY, UNRANKED
             return self._carry_word(robot)
         robot.tail = min(MOST_TAIL, 1 + _followers(robot))
@@ -64,22 +65,37 @@ class Reserve:
         return _follow(robot, leader)
 
     def _go_round(self, robot: Robot) -> complex:
-        """Travel; who meets another and comes no farther turns round, the courier last."""
+        """Travel; who meets another and comes no farther turns round, couriers last."""
         if abs(robot.here - self._place) > STALLED_M:
             self._place, self._place_tick = robot.here, robot.tick
-        patience = STALLED_TICKS * (4 if robot.courier == robot.number else 1)
+        patience = STALLED_TICKS * (4 if robot.number in robot.couriers else 1)
         if robot.tick - self._place_tick > patience:
             self.hand, self._place_tick = OTHER[self.hand], robot.tick
         return travel(robot, self.hand)
 
     def _carry_word(self, robot: Robot) -> complex:
-        """The courier goes once round the walls, back to the anchor."""
-        anchor = robot.peer(robot.anchor)
-        if anchor is None:
+        """A courier goes round the walls from the anchor, until it meets the other one, or the anchor."""
+        if not self.underway:
+            return self._depart(robot)
+        met = [peer for number in (robot.anchor, *robot.couriers) if (peer := robot.peer(number))]
+        if not met:
             self.gone_round = True
-        elif self.gone_round:
-            robot.courier = NOBODY
+        elif self.gone_round and any(_is_in_sight(robot, peer) for peer in met):
+            robot.couriers = ()
         return self._go_round(robot)
+
+    def _depart(self, robot: Robot) -> complex:
+        """Couriers begin at the wall of the anchor, on each side of it, else they might go the same way."""
+        anchor = robot.peer(robot.anchor)
+        stalled = robot.tick - robot.since_role > STALLED_TICKS * robot.parameters.hop_ticks
+        if anchor is None or stalled:
+            self.underway, robot.contact = True, robot.nearest_wall() or robot.contact
+            return 0j
+        ahead = unit(anchor.wall - anchor.here) * (-1j if self.hand == "left" else 1j)
+        place = anchor.here + DEPART_M * ahead
+        if anchor.wall != anchor.here and abs(place - robot.here) < DEPART_M / 2:
+            self.underway, robot.contact = True, anchor.wall
+        return toward(robot, place)
 
     def _travel(self, robot: Robot) -> complex:
         if robot.graph.main is None and not robot.graph.lines() and not robot.anchor:
@@ -107,6 +123,7 @@ class Reserve:
                 abs(left.here - robot.here) + abs(right.here - robot.here) - abs(left.here - right.here)
             )
             holds = min(robot.link_m(left, "left"), robot.link_m(right, "right")) >= BARELY_M
+            holds = holds and not _is_knotted(robot, left, right)
             barred = robot.tick - self._asked_tick > wait + BARRED_TICKS * robot.parameters.hop_ticks
             if holds and (detour_m <= DETOUR_M or barred):
                 ask_in(robot, left, right)
@@ -179,7 +196,7 @@ def _choose(robot: Robot) -> Peer | None:
     for peer in robot.peers.known.values():
         far_m = abs(peer.here - robot.here)
         if is_ours(robot, peer):
-            clear = far_m < NEAR_M or _is_clear(robot, peer)
+            clear = far_m < NEAR_M or is_clear(robot, peer)
             reach += [(0, far_m, peer)] if clear else []
         elif peer.beacon.role == "reserve" and peer.beacon.rank < UNRANKED:
             follower = taken.get(peer.number)
@@ -200,8 +217,23 @@ def _choose(robot: Robot) -> Peer | None:
     return min(better, key=lambda one: (one[0] > 0, one[1]))[2] if better else None
 
 
-def _is_clear(robot: Robot, peer: Peer) -> bool:
+def _is_in_sight(robot: Robot, peer: Peer) -> bool:
+    """Is it not heard through a wall only?"""
+    return abs(peer.here - robot.here) < HEARD_M and is_clear(robot, peer)
+
+
+def is_clear(robot: Robot, peer: Peer) -> bool:
+    """Is there room for a body on the straight way to another robot?"""
     return clearance_m(robot.walls(peer), robot.here, peer.here) >= BODY_WIDTH_M
+
+
+def _is_knotted(robot: Robot, left: Peer, right: Peer) -> bool:
+    """Would a link across the way from a leader to its wall come about? Beyond that way, front is back."""
+    ends = ((left, "left", right), (right, "right", left))
+    return any(
+        end.beacon.beside(side) == WALL and crosses(robot.here, other.here, end.here, end.wall)
+        for end, side, other in ends
+    )
 
 
 def _is_second(robot: Robot) -> bool:

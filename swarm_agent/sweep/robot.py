@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from swarm_agent.surveillance_graph import SurveillanceGraph
-from swarm_agent.sweep.geometry import clearance_m, shortened
+from swarm_agent.sweep.geometry import clearance_m, crosses, nearest, shortened
 from swarm_agent.sweep.peers import Eye, Peer, Peers
-from swarm_agent.sweep.radio import BARRIER, NOBODY, SIDES, WALL, Flow, Role, Side, Stage
+from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, WALL, Flow, Role, Side, Stage
 from wire.channels import number_of
 from wire.messages import Configuration
 
@@ -48,7 +48,8 @@ class Robot:
         """Numbers of lines that have dissolved where they stood."""
         self.events: list[str] = []
         self.claim = ""
-        self.epoch = self.anchor = self.courier = 0
+        self.epoch = self.anchor = 0
+        self.couriers: tuple[int, ...] = ()
         self.moved = 0
         self.contact = 0j
         self.become("free")
@@ -62,7 +63,7 @@ class Robot:
         self.linked_tick = self.held_tick = self.tick
         self.line, self.since = 0, -1
         self.pinned = self.halt = self.close = self.ready = False
-        self.meets = NOBODY
+        self.meets, self.met_tick, self.other_met_tick = NOBODY, self.tick, NEVER
         self.obstacle: complex | None = None
         self.open = True
         self.order, self.taut, self.pushed, self.angle_rad = 0, 0, self.tick, 0.0
@@ -136,17 +137,10 @@ class Robot:
     @property
     def news_tick(self) -> int:
         """From when all is that it knows of those on its line whose sight adds to its own."""
-        return min(
-            [
-                self.tick,
-                *(
-                    peer.tick
-                    for peer in self.peers.known.values()
-                    if peer.beacon.line == self.line and peer.beacon.role in BARRIER
-                    if abs(peer.here - self.here) < 2 * self.eye.detect_m
-                ),
-            ]
-        )
+        near_m = 2 * self.eye.detect_m
+        near = [one for one in self.peers.known.values() if abs(one.here - self.here) < near_m]
+        ours = [one for one in near if one.beacon.line == self.line and one.beacon.role in BARRIER]
+        return min((one.tick for one in ours), default=self.tick)
 
     def any_told(self, what: str) -> bool:
         """Do the neighbours tell of somebody on the line who is, or wants, that?"""
@@ -162,6 +156,11 @@ class Robot:
     def walls(self, *peers: Peer) -> np.ndarray:
         """The places of walls that it sees, and that some others see."""
         return np.concatenate((self.hits, *(peer.hits for peer in peers)))
+
+    def nearest_wall(self) -> complex | None:
+        """The nearest place of a wall that it sees, or else that others see."""
+        own = nearest(self.hits, self.here)
+        return own if own is not None else nearest(self.walls(*self.peers.known.values()), self.here)
 
     def needed_m(self, peer: Peer) -> float:
         """The margin that a link needs: so far another robot may have come by the end of this tick."""
@@ -235,6 +234,8 @@ class Robot:
                     return False
                 if abs(peer.here - there) < TURNED_M and self._turns_over(peer, there):
                     return False
+            if self._is_crossed(there) and not self._is_crossed(self.here):
+                return False
         if len(self.hits):
             wall_there_m = float(np.abs(self.hits - there).min())
             if wall_there_m < wall_m and wall_there_m < float(np.abs(self.hits - self.here).min()):
@@ -259,6 +260,22 @@ class Robot:
                 return True
         return False
 
+    def _is_crossed(self, there: complex) -> bool:
+        """Would the second link of a line cross the way from its leader to its wall?"""
+        for side in SIDES:
+            end, other = self.neighbour(OTHER[side]), self.neighbour(side)
+            if other is None:
+                continue
+            if self.beside[OTHER[side]] == WALL:
+                beyond = self.peer(other.beacon.beside(side))
+                crossed = beyond and crosses(other.here, beyond.here, there, self.contact)
+            else:
+                is_end = end is not None and end.beacon.beside(OTHER[side]) == WALL
+                crossed = is_end and crosses(there, other.here, end.here, end.wall)
+            if crossed:
+                return True
+        return False
+
     def bodies(self) -> Iterator[complex]:
         """Where others are, and where the dead were when they were last heard."""
         for peer in self.peers.known.values():
@@ -278,4 +295,4 @@ class Robot:
         return 0j
 
 
-UNRANKED = 9999
+UNRANKED, NEVER = 9999, -1_000_000

@@ -24,7 +24,7 @@ of {never} says that some cell was never visited, or never told of."""
 
 HOW = """{rehearsed} trials were rehearsed (all minds in one process, same codec, same result), {processes}
 ran as one operating system process per node. Rehearsed trials leave no journal, which would be large:
-`picket run FOLDER/scenario.toml --in-process` gives it, and the same `run_hash`."""
+`picket run FOLDER/scenario.toml --in-process` gives it, and at the same commit the same `run_hash`."""
 
 
 def write(outcomes: Outcomes, judged: list[Verdict], scale: Scale, quick: bool, figures: list[str]) -> str:

@@ -35,7 +35,7 @@ LOST = """Ground that became contaminated again, by its cause: a robot that died
 
 HOW = """{runs} runs, rehearsed (all minds in one process, same codec, same result), {hours:.1f} hours of
 work. A row for each is in `runs.parquet`. They leave no journal, which would be large:
-`picket run FOLDER/scenario.toml --in-process` gives it, and the same `run_hash`."""
+`picket run FOLDER/scenario.toml --in-process` gives it, and at the same commit the same `run_hash`."""
 
 
 def write(
