@@ -21,7 +21,7 @@ RANGES = st.sampled_from(
 )
 FEW = {"max_size": 4}
 FLOWS = st.none() | st.builds(
-    Flow, COUNTS, TICKS, TICKS, FLAGS, FLAGS, FLAGS, FLAGS, FLAGS, COUNTS, FLOATS, TICKS, COUNTS
+    Flow, COUNTS, TICKS, TICKS, FLAGS, FLAGS, FLAGS, FLAGS, FLAGS, COUNTS, FLOATS, TICKS, COUNTS, FLAGS
 )
 MEASURED = st.lists(st.builds(Measured, NUMBERS, TICKS, FLOATS), **FEW).map(tuple)
 VERSIONS = st.builds(Version, st.sampled_from((0, 1, 2, 500, 2**53)), st.sampled_from(("", "r3", "z" * 40)))

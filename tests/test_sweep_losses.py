@@ -39,7 +39,7 @@ def test_a_link_closes_over_one_that_has_fallen_silent():
 
 
 def test_the_neighbour_of_a_leader_that_has_fallen_silent_takes_its_wall_if_it_sees_it():
-    """Source: specs of mission clear, 3.11; slots are packed to the left, away from it."""
+    """Source: specs of mission clear, 3.11; slots are packed to the left, so the last is near it."""
     given = in_line((NARROW,), column(0.35, 1.8, 3), [(0.12, 0.9)], faults=killed("r4"))
 
     def watch(course: Play) -> bool:

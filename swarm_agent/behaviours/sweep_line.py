@@ -6,13 +6,14 @@ Source: Kolling and Carpin, "Multi-robot pursuit-evasion without maps", ICRA 201
 pseudocode, and where we do otherwise: docs/clear.md.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Annotated, Literal, Self
 
 import msgspec
 import numpy as np
 
-from swarm_agent.behaviour import Behaviour, Heard, Move
+from swarm_agent.behaviour import Air, Behaviour, Heard, Move
 from swarm_agent.behaviour import Parameters as BaseParameters
 from swarm_agent.graph_copy import NOTHING
 from swarm_agent.sweep import events, flows, gait, links
@@ -29,6 +30,8 @@ from wire.messages import Configuration, Percept, Shift
 Metres = Annotated[float, msgspec.Meta(gt=0)]
 Ticks = Annotated[int, msgspec.Meta(ge=1, le=100_000)]
 STILL_M = 1e-6
+RARELY = 1e-6  # false deaths by loss alone, for each link and hour
+DELAYED_TICKS = 5  # for so long a frame may be late for any other reason
 
 
 class Parameters(BaseParameters, frozen=True):
@@ -36,7 +39,8 @@ class Parameters(BaseParameters, frozen=True):
 
     A robot leaves a line whose neighbours are `slack_m` nearer than they may be. `choose`: which part of a
     split line moves on, the one with more or with fewer robots. `team`: how many robots there are; None: all
-    of the scenario. `dead_ticks`: who is silent for longer is dead. `hop_ticks`: how long a frame takes.
+    of the scenario. `dead_ticks`: who is silent for longer is dead. `hop_ticks`: how long news takes from one
+    robot to the next, the slowest robot included. None: as the scenario's radio and faults call for.
     `patience_ticks`: how long to wait for one more robot that should come; `beginnings`: how often to begin
     again elsewhere before the team says that it failed.
     """
@@ -46,14 +50,25 @@ class Parameters(BaseParameters, frozen=True):
     slack_m: Metres = 0.1
     choose: Literal["more", "fewer"] = "more"
     team: Annotated[int, msgspec.Meta(ge=1)] | None = None
-    dead_ticks: Ticks = 6
-    hop_ticks: Ticks = 1
+    dead_ticks: Ticks | None = None
+    hop_ticks: Ticks | None = None
     patience_ticks: Ticks = 1000
     beginnings: Annotated[int, msgspec.Meta(ge=0)] = 6
 
     def settled(self, team_size: int) -> Self:
         """The team is everybody but the tower, unless it is given."""
         return msgspec.structs.replace(self, team=self.team or max(1, team_size - 1))
+
+    def in_air(self, air: Air) -> Self:
+        """Nobody is taken for dead whose frames are only late, or lost as often as one must reckon with."""
+        hop_ticks = self.hop_ticks or air.latency_ticks + air.grant_ticks - 1
+        frames = 1
+        if air.loss > 0:
+            if air.loss >= 1:
+                raise ValueError("a team whose radio loses every frame cannot clear anything")
+            frames = math.ceil(math.log(RARELY * air.tick_s / 3600) / math.log(air.loss))
+        dead_ticks = self.dead_ticks or hop_ticks + air.grant_ticks * (frames - 1) + DELAYED_TICKS
+        return msgspec.structs.replace(self, hop_ticks=hop_ticks, dead_ticks=dead_ticks)
 
 
 class SweepLine(Behaviour):

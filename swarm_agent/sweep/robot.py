@@ -132,7 +132,15 @@ class Robot:
     def is_quiet(self) -> bool:
         """Is all it is told of its line from when nobody moved any more?"""
         news = [flow.since for flow in self.told.values() if flow]
-        return self.is_whole and not self.old and min([self.tick, *news]) > self.last_moved() + 2
+        return self.is_whole and not self.old and min([self.news_tick, *news]) > self.last_moved() + 1
+
+    @property
+    def news_tick(self) -> int:
+        """From when all is that it knows of those on its line whose sight adds to its own."""
+        near_m = 2 * self.eye.detect_m
+        near = [one for one in self.peers.known.values() if abs(one.here - self.here) < near_m]
+        ours = [one for one in near if one.beacon.line == self.line and one.beacon.role in BARRIER]
+        return min((one.tick for one in ours), default=self.tick)
 
     def any_told(self, what: str) -> bool:
         """Do the neighbours tell of somebody on the line who is, or wants, that?"""
@@ -154,8 +162,15 @@ class Robot:
         own = nearest(self.hits, self.here)
         return own if own is not None else nearest(self.walls(*self.peers.known.values()), self.here)
 
-    def margin_m(self, left: complex, right: complex, walls: np.ndarray) -> float:
-        """How well a link holds; at least a step is as good as any more."""
+    def needed_m(self, peer: Peer) -> float:
+        """The margin that a link needs: so far another robot may have come by the end of this tick."""
+        return self.step_m * (self.tick - peer.tick)
+
+    def margin_m(
+        self, left: complex, right: complex, walls: np.ndarray, enough_m: float | None = None
+    ) -> float:
+        """How well a link holds; what is `enough_m`, or else a step, is as good as any more."""
+        enough_m = self.step_m if enough_m is None else enough_m
         way = right - left
         if abs(way) < 1e-9:
             return self.reach_m
@@ -167,7 +182,7 @@ class Robot:
                 break
             gap = min(clearance_m(walls, left, over), clearance_m(walls, over, right)) - SIGHT_M
             best = max(best, min(margin, gap))
-            if best >= self.step_m:
+            if best >= enough_m:
                 break
         return best
 
@@ -188,7 +203,7 @@ class Robot:
         """The margin of the link to a robot on one side, from here or from another place."""
         here = self.here if here is None else here
         ends = (peer.here, here) if side == "left" else (here, peer.here)
-        return self.margin_m(*ends, self.walls(peer))
+        return self.margin_m(*ends, self.walls(peer), max(self.step_m, self.needed_m(peer)))
 
     def toward(self, peer: Peer, side: Side) -> complex:
         """The way to a neighbour, or to where the link to it is bent."""
@@ -214,9 +229,8 @@ class Robot:
         there = self.here + way
         if holds:
             for peer, side in self.linked():
-                needed_m = self.step_m * (self.tick - peer.tick)
                 margin_m = self.link_m(peer, side, there)
-                if margin_m < needed_m and margin_m < self.link_m(peer, side) + 1e-6:
+                if margin_m < self.needed_m(peer) and margin_m < self.link_m(peer, side) + 1e-6:
                     return False
                 if abs(peer.here - there) < TURNED_M and self._turns_over(peer, there):
                     return False
