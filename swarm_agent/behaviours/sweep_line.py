@@ -15,12 +15,12 @@ import numpy as np
 
 from swarm_agent.behaviour import Air, Behaviour, Heard, Move
 from swarm_agent.behaviour import Parameters as BaseParameters
-from swarm_agent.graph_copy import NOTHING
+from swarm_agent.graph_copy import NOTHING, Version
 from swarm_agent.sweep import events, flows, gait, links
 from swarm_agent.sweep.beginning import Beginning
 from swarm_agent.sweep.captain import Captain
 from swarm_agent.sweep.outlook import Outlook, look, obstacle
-from swarm_agent.sweep.radio import WALL, Beacon
+from swarm_agent.sweep.radio import WALL, Beacon, Lacking, Spoken
 from swarm_agent.sweep.reserve import Reserve
 from swarm_agent.sweep.robot import Robot
 from wire import codec
@@ -75,7 +75,7 @@ class SweepLine(Behaviour):
     """A robot of a sweep team."""
 
     Parameters = Parameters
-    Radio = Beacon
+    Radio = Spoken
 
     def __init__(
         self, parameters: Parameters, configuration: Configuration, generator: np.random.Generator
@@ -87,6 +87,8 @@ class SweepLine(Behaviour):
         self._outlook: Outlook | None = None
         self._drawn = NOTHING
         """The newest version of the graph that observers know from this robot."""
+        self._lacking: list[Version] = []
+        """Versions of listeners that are no robots."""
 
     def step(self, percept: Percept, heard: Sequence[Heard]) -> Move:
         """Look, listen, agree with the neighbours, move, and tell."""
@@ -109,7 +111,9 @@ class SweepLine(Behaviour):
         if percept.why == "start":
             robot.born = percept.tick
         robot.tick, robot.events = percept.tick, []
-        robot.peers.take(percept.tick, complex(*senses.odometry_m), heard)
+        beacons = [one for one in heard if isinstance(one.message, Beacon)]
+        self._lacking = [one.message.version for one in heard if isinstance(one.message, Lacking)]
+        robot.peers.take(percept.tick, complex(*senses.odometry_m), beacons)
         robot.ranges_m = np.frombuffer(senses.scan, "<f4").astype(float)
         seen = np.isfinite(robot.ranges_m)
         robot.hits = robot.here + robot.ranges_m[seen] * robot.eye.units[seen]
@@ -165,7 +169,8 @@ class SweepLine(Behaviour):
     def _beacon(self) -> Beacon:
         robot = self.robot
         version = robot.graph.version
-        older = [one.beacon.version for one in robot.peers.known.values() if one.beacon.version < version]
+        robots = [one.beacon.version for one in robot.peers.known.values() if one.beacon.version < version]
+        older = robots or [one for one in self._lacking if one < version]  # robots come first
         wall = robot.contact - robot.here
         return Beacon(
             robot.role,

@@ -4,6 +4,7 @@ Robots are named by their numbers. Lines are seen with the contaminated side ahe
 a left and a right neighbour, and the leaders have a wall there.
 """
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import msgspec
@@ -121,3 +122,16 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     def follows_nobody(self) -> bool:
         """Is it no part of a line?"""
         return self.role not in BARRIER
+
+
+@dataclass(frozen=True)
+class Lacking:
+    """Said by who is no robot of the team: I have this version of the graph, and heard of a newer one.
+
+    A map on the wire, so that no beacon, which is a list, needs a tag to be told from it.
+    """
+
+    version: Version
+
+
+Spoken = Beacon | Lacking
