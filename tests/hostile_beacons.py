@@ -15,7 +15,7 @@ TICKS = st.sampled_from((-1, 0, 1, 50, 200, 1000, 2**53))
 FLOATS = st.sampled_from((0.0, -0.0, 1e-12, 0.3, -2.0, 7.0, 1e6, -1e300, math.inf, -math.inf, math.nan))
 FLAGS = st.booleans()
 ROLES = st.sampled_from(("free", "anchor", "reserve", "joining", "centre", "leader", "leaving"))
-STAGES = st.sampled_from(("", "forming", "cut", "closed", "gone", "gathering"))
+STAGES = st.sampled_from(("", "forming", "cut", "closed", "gone", "homing", "gathering"))
 RANGES = st.sampled_from(
     (b"", b"\0", b"\0" * 180, b"\xff" * 180, b"\x80" * 180, b"\x40\xff" * 90, b"\7" * 4000)
 )

@@ -124,8 +124,8 @@ class SweepLine(Behaviour):
     def _stand_in_line(self) -> None:
         """Tend the links, and see what is to be decided."""
         robot, before = self.robot, self.robot.role
-        trouble = links.tend(robot)
-        if not trouble and robot.on_line:
+        lost = trouble = links.tend(robot)
+        if not lost and robot.on_line:
             flows.hear(robot)
             robot.order = robot.told["right"].order if robot.told["right"] else robot.order
             self._outlook = look(robot)
@@ -135,8 +135,7 @@ class SweepLine(Behaviour):
             if robot.role == "leader" and robot.beside["right"] == WALL:
                 trouble = self.captain.command(robot)
         if trouble:
-            self.beginning.again(robot)
-            robot.trouble = trouble
+            self.beginning.again(robot, trouble, home=bool(lost))
         elif robot.role == "reserve" and before != "reserve":
             self.reserve.begin(robot)
 

@@ -14,6 +14,7 @@ from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import MOST, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.reserve import Reserve, is_clear, travel
 from swarm_agent.sweep.robot import Robot
+from swarm_agent.sweep.trail import Trail
 
 SETTLE_TICKS, SECOND_TICKS = 6, 40
 BESIDE_M, BESIDE_MOST_M, WALL_MOST_M = 0.3, 0.55, 0.4
@@ -32,11 +33,14 @@ class Beginning:
         self._arrival_tick = self._chosen_tick = self._most_here = 0
         self._walked_m = 0.0
         self._ways: list[complex] = []
+        self._trail = Trail()
         self._asked: list[int] = []
         """Who did not come when it was asked to be the second leader."""
 
     def hear(self, robot: Robot, reserve: Reserve) -> None:
         """Take over who is dead, and that the team begins again."""
+        if robot.stage != "homing":
+            self._trail.note(robot.here)
         for peer in robot.peers.known.values():
             beacon = peer.beacon
             robot.dead.update(number for number in beacon.dead if number not in (0, robot.number))
@@ -45,10 +49,8 @@ class Beginning:
             if newer or (beacon.epoch == robot.epoch and 0 < beacon.anchor < robot.anchor):
                 robot.epoch, robot.anchor, robot.couriers = beacon.epoch, beacon.anchor, beacon.couriers
                 robot.become("reserve", "gone")
-                reserve.begin(robot)
-                reserve.underway = reserve.gone_round = False
+                reserve.begin(robot, self._hand(robot, peer))
                 robot.claim = ""
-                reserve.hand = self._hand(robot, peer)
 
     @staticmethod
     def _hand(robot: Robot, teller: Peer) -> Side:
@@ -58,8 +60,12 @@ class Beginning:
         hand = teller.beacon.hand
         return OTHER[hand] if teller.number in robot.couriers else hand
 
-    def again(self, robot: Robot) -> None:
-        """All that was clear is given up, here and now; this robot is the anchor."""
+    def again(self, robot: Robot, trouble: str, home: bool) -> None:
+        """All that was clear is given up, here and now; this robot is the anchor.
+
+        `home`: it goes back to where the team first began, which was good until somebody died.
+        """
+        robot.trouble = trouble
         graph = robot.graph
         if graph.main is not None:
             graph.release(None)
@@ -75,6 +81,9 @@ class Beginning:
         robot.claim = ""
         robot.events.append("restart")
         self.beginnings += 1
+        if home and robot.epoch == 1:
+            robot.stage = "homing"
+            self._trail.begin(robot.tick)
         self._arrival_tick, self._most_here, self._walked_m, self._ways = robot.tick, 0, 0.0, []
 
     def first(self, robot: Robot) -> complex:
@@ -107,7 +116,12 @@ class Beginning:
         return all((*_openness(robot, one.ranges_m), one.number) > own for one in known)
 
     def gather(self, robot: Robot) -> complex:
-        """The anchor: it walks on to a corner if this is not the first time, waits for all, and forms."""
+        """The anchor: it goes home, or on to a corner if this is not the first time, waits, and forms."""
+        if robot.stage == "homing":
+            way = self._trail.way(robot)
+            if way is not None:
+                return way
+            robot.stage, self._arrival_tick = "gathering", robot.tick
         if self.beginnings > 1 and self._walked_m < WALK_MOST_M:
             return self._walk(robot)
         way = _to_wall(robot)

@@ -18,6 +18,9 @@ def tend(robot: Robot) -> str:
     robot.refused = {
         one for one in robot.refused if (peer := robot.peer(one)) and peer.beacon.role == "joining"
     }
+    for side in SIDES:
+        if not _holds_without(robot, side):
+            robot.needed_tick[side] = robot.tick
     beside = robot.beside.values()
     for number in [number for number in robot.old if number in beside or _is_over(robot, number)]:
         del robot.old[number]
@@ -224,8 +227,24 @@ def _adopt_line(robot: Robot, peer: Peer, side: Side) -> None:
         robot.line, robot.since = beacon.line, beacon.since
 
 
+def _holds_without(robot: Robot, side: Side) -> bool:
+    """Would the line hold if its neighbour on that side were gone?"""
+    peer = robot.neighbour(side)
+    if peer is None:
+        return True  # it has fallen silent just now
+    onward = peer.beacon.beside(side)
+    if onward == WALL:
+        return robot.role == "centre" and robot.sees(peer.wall)
+    beyond = robot.peer(onward)
+    near = beyond is not None and abs(beyond.here - robot.here) <= 2 * robot.reach_m
+    return near and robot.link_m(beyond, side) >= 0
+
+
 def _lose(robot: Robot, side: Side) -> str:
-    """A neighbour is silent for good: the link may hold without it. Returns what is wrong, or nothing."""
+    """A neighbour is silent for good: the link may hold without it. Returns what is wrong, or nothing.
+
+    It must have held without it at all times since it was last heard: a gap of one tick lets everything in.
+    """
     number = robot.beside[side]
     robot.dead.add(number)
     robot.old.pop(number, None)
@@ -235,11 +254,12 @@ def _lose(robot: Robot, side: Side) -> str:
         robot.dead.discard(number)
         return ""
     if lost is not None:
+        held = robot.needed_tick[side] < lost.tick
         beyond = robot.peer(lost.beacon.beside(side))
-        if beyond is not None and robot.link_m(beyond, side) >= 0:
+        if held and beyond is not None and robot.link_m(beyond, side) >= 0:
             robot.beside[side] = beyond.number
             return ""
-        if lost.beacon.beside(side) == WALL and robot.role == "centre" and robot.sees(lost.wall):
+        if held and lost.beacon.beside(side) == WALL and robot.role == "centre" and robot.sees(lost.wall):
             robot.beside[side], robot.contact, robot.role = WALL, lost.wall, "leader"
             return ""
     robot.beside[side] = NOBODY

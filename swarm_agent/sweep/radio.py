@@ -32,7 +32,7 @@ Order = Annotated[int, msgspec.Meta(ge=-2, le=10_000)]
 Angle = Annotated[float, msgspec.Meta(ge=-10, le=10)]
 Way = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
 """Numbers that are finite: bounds refuse what is no number, too."""
-Stage = Literal["", "forming", "cut", "closed", "gone", "gathering"]
+Stage = Literal["", "forming", "cut", "closed", "gone", "homing", "gathering"]
 
 
 class Flow(msgspec.Struct, frozen=True, array_like=True):

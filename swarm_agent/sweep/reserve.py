@@ -35,13 +35,14 @@ class Reserve:
     def __init__(self) -> None:
         self.hand: Side = "left"
         self.underway = self.gone_round = False
+        self._depart_tick = 0
         self._asked: tuple[bool, int, int] = (False, 0, 0)
         self._asked_tick = self._place_tick = 0
         self._place = 0j
 
-    def begin(self, robot: Robot) -> None:
-        """It has just left a line."""
-        self.hand = "left"
+    def begin(self, robot: Robot, hand: Side = "left") -> None:
+        """It has just left a line, or heard that the team begins again."""
+        self.hand, self.underway, self.gone_round, self._depart_tick = hand, False, False, 0
         robot.contact = robot.nearest_wall() or robot.here
 
     def way(self, robot: Robot) -> complex:
@@ -49,7 +50,7 @@ class Reserve:
         room = _make_room(robot)
         if room:
             return room
-        if robot.number in robot.couriers:
+        if robot.number in robot.couriers and not _is_homing(robot):
             robot.ahead, robot.rank = NOBODY, UNRANKED
             return self._carry_word(robot)
         robot.tail = min(MOST_TAIL, 1 + _followers(robot))
@@ -87,7 +88,8 @@ class Reserve:
     def _depart(self, robot: Robot) -> complex:
         """Couriers begin at the wall of the anchor, on each side of it, else they might go the same way."""
         anchor = robot.peer(robot.anchor)
-        stalled = robot.tick - robot.since_role > STALLED_TICKS * robot.parameters.hop_ticks
+        self._depart_tick = self._depart_tick or robot.tick
+        stalled = robot.tick - self._depart_tick > STALLED_TICKS * robot.parameters.hop_ticks
         if anchor is None or stalled:
             self.underway, robot.contact = True, robot.nearest_wall() or robot.contact
             return 0j
@@ -132,6 +134,12 @@ class Reserve:
         if not middles:
             return None
         return toward(robot, min(middles, key=lambda place: abs(place - robot.here))) or None
+
+
+def _is_homing(robot: Robot) -> bool:
+    """Is the anchor on its way home? Couriers go with it."""
+    anchor = robot.peer(robot.anchor)
+    return anchor is not None and anchor.beacon.stage == "homing"
 
 
 def _rank(robot: Robot, leader: Peer | None) -> int:

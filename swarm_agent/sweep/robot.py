@@ -61,6 +61,8 @@ class Robot:
         self.old: dict[int, Side] = {}
         self.refused: set[int] = set()
         self.linked_tick = self.held_tick = self.tick
+        self.needed_tick: dict[Side, int] = dict.fromkeys(SIDES, self.tick)
+        """When the line last would not have held without its neighbour."""
         self.line, self.since = 0, -1
         self.pinned = self.halt = self.close = self.ready = False
         self.meets, self.met_tick, self.other_met_tick = NOBODY, self.tick, NEVER
