@@ -89,7 +89,7 @@ class Alone:
     """A robot that has begun a graph, sees nothing, and hears what it is told to."""
 
     def __init__(self) -> None:
-        parameters = Parameters(team=4)
+        parameters = Parameters(team=4, dead_ticks=6, hop_ticks=1)
         self.mind = SweepLine(parameters, told("r2"), np.random.default_rng(1))
         self.mind.robot.become("reserve")
         self.mind.robot.graph.begin(3)

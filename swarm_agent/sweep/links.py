@@ -7,7 +7,7 @@ that is said is a state, said again in every tick, so that lost frames cost time
 
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, WALL, Side
-from swarm_agent.sweep.robot import Robot
+from swarm_agent.sweep.robot import NEVER, Robot
 
 PATIENCE_TICKS, FORGOTTEN = 12, 3
 BARELY_M = 0.02  # the margin that is enough for a link that nobody opens before it is taken over
@@ -217,6 +217,7 @@ def _relink(robot: Robot, side: Side, number: int) -> None:
         robot.old[robot.beside[side]] = side
     robot.old.pop(number, None)
     robot.beside[side], robot.linked_tick = number, robot.tick
+    robot.needed_tick[side] = NEVER if _holds_without(robot, side) else robot.tick
 
 
 def _adopt_line(robot: Robot, peer: Peer, side: Side) -> None:
