@@ -82,6 +82,6 @@ def test_a_line_of_two_has_nobody_to_search_with():
 def test_who_has_begun_again_often_enough_says_that_the_team_has_failed():
     """Source: specs of mission clear, 3.10: terminate FAILED when restarts have served."""
     robot, captain = a_captain(team=2), Captain()
-    captain.beginnings = robot.parameters.beginnings
+    robot.epoch = robot.parameters.beginnings
     _, trouble = commands(robot, captain, AT_LAST_TICKS)
     assert not trouble and robot.claim == "failed"

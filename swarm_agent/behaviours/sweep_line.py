@@ -53,7 +53,7 @@ class Parameters(BaseParameters, frozen=True):
     dead_ticks: Ticks | None = None
     hop_ticks: Ticks | None = None
     patience_ticks: Ticks = 1000
-    beginnings: Annotated[int, msgspec.Meta(ge=0)] = 6
+    beginnings: Annotated[int, msgspec.Meta(ge=0)] = 4
 
     def settled(self, team_size: int) -> Self:
         """The team is everybody but the tower, unless it is given."""

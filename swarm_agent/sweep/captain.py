@@ -15,10 +15,9 @@ ROUNDS, HITS = 2, 3  # so often a search is begun again, with nothing found, or 
 
 
 class Captain:
-    """What it has ordered, and when; `beginnings`: how often this robot made the team begin again."""
+    """What it has ordered, and when."""
 
     def __init__(self) -> None:
-        self.beginnings = 0
         self._order_tick = self._main_tick = self._complete_tick = self._rounds = 0
         self._robots = self._hits = self._since = 0
 
@@ -127,7 +126,7 @@ class Captain:
                 robot.graph.activate(following)
                 robot.line, robot.since = lines[0], robot.tick
                 return ""
-        if self.beginnings < robot.parameters.beginnings:
+        if robot.epoch < robot.parameters.beginnings:
             return "no line can go on"
         robot.claim = "failed"
         return ""
