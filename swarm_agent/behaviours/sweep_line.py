@@ -29,6 +29,7 @@ from wire.messages import Configuration, Percept, Shift
 Metres = Annotated[float, msgspec.Meta(gt=0)]
 Ticks = Annotated[int, msgspec.Meta(ge=1, le=100_000)]
 STILL_M = 1e-6
+FOLLOW_M = {"plain": 1.0, "robust": 0.58}
 
 
 class Parameters(BaseParameters, frozen=True):
@@ -41,7 +42,8 @@ class Parameters(BaseParameters, frozen=True):
     elsewhere before the team says that it failed.
     """
 
-    follow_m: Metres = 1.0
+    spacing: Literal["plain", "robust"] | None = None
+    follow_m: Metres | None = None
     obstacle_m: Metres = 0.25
     slack_m: Metres = 0.1
     choose: Literal["more", "fewer"] = "more"
@@ -53,7 +55,8 @@ class Parameters(BaseParameters, frozen=True):
 
     def settled(self, team_size: int) -> Self:
         """The team is everybody but the tower, unless it is given."""
-        return msgspec.structs.replace(self, team=self.team or max(1, team_size - 1))
+        follow_m = self.follow_m or FOLLOW_M[self.spacing or "plain"]
+        return msgspec.structs.replace(self, follow_m=follow_m, team=self.team or max(1, team_size - 1))
 
 
 class SweepLine(Behaviour):

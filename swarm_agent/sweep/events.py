@@ -6,6 +6,7 @@ Nothing is decided before the whole line has stood still for so long that all ne
 import networkx
 
 from swarm_agent.graph_clear import next_vertex
+from swarm_agent.sweep import robust
 from swarm_agent.sweep.outlook import Outlook, is_closed_to, sides_open
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import GO_HOME, NOBODY, OTHER, SIDES, WALL, Side
@@ -174,10 +175,14 @@ def _judge(robot: Robot, outlook: Outlook) -> None:
     open_left = open_left or robot.told["left"].open
     open_right = open_right or robot.told["right"].open
     if open_left and open_right:
-        robot.pinned, robot.halt = True, False
+        robot.pinned, robot.halt, robot.closing = True, False, False
     elif open_left or open_right:
+        side: Side = "left" if open_right else "right"
+        if robot.is_robust and not robust.may_end(robot, side):
+            robot.pinned, robot.halt, robot.closing = True, False, True
+            return
         robot.events.append("closed")
-        _become_end(robot, "left" if open_right else "right", robot.contact)
+        _become_end(robot, side, robot.contact)
         robot.stage = "closed"
 
 
@@ -186,12 +191,14 @@ def _split(robot: Robot) -> bool:
 
     Of several pivots of a line the leftmost comes first: only one robot writes into the graph at a time.
     """
-    if robot.told["left"] is None or robot.told["left"].pivot:
+    if robot.told["left"] is None or robot.told["left"].pivot or robot.closing:
         return False
     for side in ("right", "left"):
         peer = robot.neighbour(side)
         held = peer is not None and peer.beacon.ready and peer.beacon.beside(OTHER[side]) == robot.number
         if not held or robot.old or not robot.is_whole:
+            continue
+        if robot.is_robust and not robust.may_cut(robot, side):
             continue
         left = robot.told["left"].count + (side == "right")
         right = robot.told["right"].count + (side == "left")
@@ -209,4 +216,4 @@ def _become_end(robot: Robot, side: Side, wall: complex) -> None:
     """The link on that side is given up for a wall."""
     robot.role, robot.stage, robot.since_role = "leader", "", robot.tick
     robot.beside[side], robot.contact = WALL, wall
-    robot.pinned = robot.halt = robot.close = robot.ready = False
+    robot.pinned = robot.halt = robot.close = robot.ready = robot.closing = False

@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from swarm_agent.sweep import robust
 from swarm_agent.sweep.geometry import nearest, roll, shortened, turn_rad, unit
 from swarm_agent.sweep.links import is_spare
 from swarm_agent.sweep.outlook import JOINED_M, Outlook
@@ -179,6 +180,11 @@ def keep(robot: Robot, slot: Slot) -> complex:
             way = robot.best(pivot.wall - robot.here)
             if way:
                 return way
+    if robot.is_robust:
+        wall = robust.wall_to_see(robot)
+        way = 0j if wall is None else robot.best(wall - robot.here)
+        if way:
+            return way
     return slot.way(robot, _slot(robot, left, right), (left.here, right.here))
 
 
@@ -191,7 +197,7 @@ def _slot(robot: Robot, left: Peer, right: Peer) -> complex:
     length_m = abs(last - first)
     if length_m < 1e-9:
         return robot.here
-    near = left.beacon.pinned or left.beacon.close
+    near = left.beacon.pinned or left.beacon.close or (robot.is_robust and left.beacon.ready)
     along_m = (TOGETHER_M if near else robot.parameters.follow_m) - abs(first - left.here)
     most_m = length_m - (APART_M if over_right is None else 0.0)
     if right.beacon.close and right.beacon.role == "leader":
@@ -199,6 +205,8 @@ def _slot(robot: Robot, left: Peer, right: Peer) -> complex:
     along_m = min(max(along_m, 0.0), max(most_m, 0.0))
     if over_left is None:
         along_m = max(along_m, min(TOGETHER_M, length_m / 2))
+    if robot.is_robust:
+        along_m = robust.slot(robot, length_m, along_m)
     return first + (last - first) * (along_m / length_m)
 
 

@@ -5,6 +5,7 @@ up a link until the other end has shown that it holds the new one. Until then bo
 that is said is a state, said again in every tick, so that lost frames cost time and nothing else.
 """
 
+from swarm_agent.sweep import robust
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import NOBODY, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot
@@ -20,6 +21,8 @@ def tend(robot: Robot) -> str:
     }
     for number in [number for number in robot.old if _is_free_of(robot, number)]:
         del robot.old[number]
+    if robot.is_robust:
+        robust.watch(robot)
     if robot.role == "joining":
         _come_in(robot)
         return ""
@@ -60,6 +63,8 @@ def is_spare(robot: Robot) -> bool:
     needed = any(
         one.beacon.pinned or one.beacon.close or one.beacon.role == "leaving" for one in (left, right)
     )
+    if robot.is_robust:
+        return not needed and not robot.any_told("want") and robust.can_do_without(robot, robot.parameters.slack_m)
     near = abs(left.here - right.here) <= robot.parameters.follow_m - robot.parameters.slack_m
     return (
         not needed
@@ -188,8 +193,9 @@ def _lose(robot: Robot, side: Side) -> str:
         if beyond is not None and robot.link_m(beyond, side) >= 0:
             robot.beside[side] = beyond.number
             return ""
-        if lost.beacon.beside(side) == WALL and robot.role == "centre" and robot.sees(lost.wall):
-            robot.beside[side], robot.contact, robot.role = WALL, lost.wall, "leader"
+        wall = robot.held.get(side, lost.wall)
+        if lost.beacon.beside(side) == WALL and robot.role == "centre" and robot.sees(wall):
+            robot.beside[side], robot.contact, robot.role = WALL, wall, "leader"
             return ""
     robot.beside[side] = NOBODY
     return f"r{number} is silent"

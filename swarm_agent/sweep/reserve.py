@@ -6,6 +6,7 @@ all on the same hand; so it meets every line there is on that ring of walls.
 
 import numpy as np
 
+from swarm_agent.sweep import robust
 from swarm_agent.sweep.gait import toward
 from swarm_agent.sweep.geometry import NOTHING, clearance_m, crosses, nearest, roll, unit
 from swarm_agent.sweep.links import BARELY_M, ask_in
@@ -46,7 +47,7 @@ class Reserve:
 
     def way(self, robot: Robot) -> complex:
         """Where to go now. It may ask to come into the line instead."""
-        room = _make_room(robot)
+        room = _make_room(robot, robot.is_robust and self._asked[0])
         if room:
             return room
         if robot.number in robot.couriers:
@@ -124,6 +125,7 @@ class Reserve:
             )
             holds = min(robot.link_m(left, "left"), robot.link_m(right, "right")) >= BARELY_M
             holds = holds and not _is_knotted(robot, left, right)
+            holds = holds and (not robot.is_robust or robust.may_join(robot, left, right))
             barred = robot.tick - self._asked_tick > wait + BARRED_TICKS * robot.parameters.hop_ticks
             if holds and (detour_m <= DETOUR_M or barred):
                 ask_in(robot, left, right)
@@ -169,12 +171,12 @@ def travel(robot: Robot, hand: Side) -> complex:
     return toward(robot, robot.here + way)
 
 
-def _make_room(robot: Robot) -> complex:
+def _make_room(robot: Robot, near: bool) -> complex:
     """Away from who is too near; lines have the right of way."""
     push = 0j
     for peer in robot.peers.known.values():
         away, room_m = robot.here - peer.here, ROOM_M.get(peer.beacon.role, ROOM_ELSE_M)
-        if robot.ahead == NOBODY:
+        if robot.ahead == NOBODY or near:
             room_m = min(room_m, TRAVEL_ROOM_M)
         if abs(away) < room_m:
             push += unit(away) * (room_m + 0.02 - abs(away))

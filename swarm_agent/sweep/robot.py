@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from swarm_agent.surveillance_graph import SurveillanceGraph
+from swarm_agent.sweep import robust
 from swarm_agent.sweep.geometry import clearance_m, crosses, shortened
 from swarm_agent.sweep.peers import Eye, Peer, Peers
 from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, WALL, Flow, Role, Side, Stage
@@ -37,6 +38,7 @@ class Robot:
         self.eye = Eye(field.rays, field.detect_m)
         self.peers = Peers(self.number, self.eye, parameters.dead_ticks)
         self.graph = SurveillanceGraph(configuration.node)
+        self.is_robust = parameters.spacing == "robust"
         self.step_m = configuration.max_speed_m_s * configuration.tick_s
         self.body_m = configuration.body_m
         self.reach_m = field.detect_m - self.step_m / 2 - WORN_M
@@ -60,9 +62,13 @@ class Robot:
         self.beside: dict[Side, int] = dict.fromkeys(SIDES, NOBODY)
         self.old: dict[int, Side] = {}
         self.refused: set[int] = set()
+        self.second: dict[int, Side] = {}
+        """Those beyond its neighbours to whom a robust line is linked too, until all agree that it need not."""
+        self.held: dict[Side, complex] = {}
+        """The places of the walls of leaders beside it that it holds, too."""
         self.linked_tick = self.held_tick = self.tick
         self.line, self.since = 0, -1
-        self.pinned = self.halt = self.close = self.ready = False
+        self.pinned = self.halt = self.close = self.ready = self.closing = False
         self.meets, self.met_tick, self.other_met_tick = NOBODY, self.tick, NEVER
         self.obstacle: complex | None = None
         self.open = True
@@ -216,6 +222,8 @@ class Robot:
                 if abs(peer.here - there) < TURNED_M and self._turns_over(peer, there):
                     return False
             if self._is_crossed(there) and not self._is_crossed(self.here):
+                return False
+            if self.is_robust and not robust.may(self, there):
                 return False
         if len(self.hits):
             wall_there_m = float(np.abs(self.hits - there).min())
