@@ -19,9 +19,11 @@ from swarm_agent.sweep.radio import BARRIER, OTHER, SIDES, WALL, Side
 if TYPE_CHECKING:
     from swarm_agent.sweep.robot import Robot
 
+EASE = 0.3  # of `slack_m`: how much nearer than `follow_m`, or farther apart, makes one leave, or come
 LEAST = 3  # robots of a line
 SHADOW_M = 0.3  # from the leader
-ROOMY_M = 0.47  # a link in which there is room for a third robot
+ROOMY_M = 0.5  # a link in which there is room for a third robot
+PAIR_M = 0.62  # two leaders who wait for a third robot go no farther apart
 WIDE_M = 0.08  # beyond `follow_m`: a gap that only a loss leaves
 WALL_NEAR_M = 0.2  # a leader's next contact is no farther from the one before
 AT_WALL_M = 0.08  # so near to a wall it bars no view of it
@@ -93,8 +95,12 @@ def may(robot: Robot, there: complex) -> bool:
         margin_m = robot.link_m(peer, side, there)
         if margin_m < needed_m and margin_m < robot.link_m(peer, side) + 1e-6:
             return False
-    if robot.role == "leader" and not _may_lead(robot, there):
-        return False
+    if robot.role == "leader":
+        other = shadowed(robot, OTHER[robot.wall_side()])
+        if other is not None:
+            return abs(other.here - there) <= max(PAIR_M, abs(other.here - robot.here) - 1e-6)
+        if not _may_lead(robot, there):
+            return False
     return all(_keeps_wall(robot, side, there) for side in SIDES)
 
 
@@ -154,7 +160,7 @@ def can_do_without(robot: Robot, slack_m: float) -> bool:
     before, left, right, after = chain(robot)
     if left is None or right is None or robot.count <= LEAST:
         return False
-    most_m = robot.parameters.follow_m - slack_m
+    most_m = robot.parameters.follow_m - EASE * slack_m
     if abs(left.here - right.here) > most_m:
         return False
     for outer, inner, opposite, side in ((before, left, right, "left"), (after, right, left, "right")):
@@ -186,12 +192,12 @@ def wants(robot: Robot) -> bool:
         return False
     if shadowed(robot, "left") is not None:
         return robot.count == LEAST and not _holds_both(robot)
-    return abs(left.here - robot.here) > follow_m or right.beacon.close
+    return abs(left.here - robot.here) > follow_m + EASE * robot.parameters.slack_m or right.beacon.close
 
 
 def _holds_both(robot: Robot) -> bool:
     leaders = [robot.neighbour(side) for side in SIDES]
-    return all(wall_m(robot, robot.here, one.contact, robot.walls(one)) > robot.step_m for one in leaders if one)
+    return all(wall_m(robot, robot.here, one.contact, robot.walls(one)) > 2 * robot.step_m for one in leaders if one)
 
 
 def slot(robot: Robot, length_m: float, along_m: float) -> float:
