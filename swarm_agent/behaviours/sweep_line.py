@@ -29,7 +29,7 @@ from wire.messages import Configuration, Percept, Shift
 Metres = Annotated[float, msgspec.Meta(gt=0)]
 Ticks = Annotated[int, msgspec.Meta(ge=1, le=100_000)]
 STILL_M = 1e-6
-FOLLOW_M = {"plain": 1.0, "robust": 0.58}
+FOLLOW_M = {"plain": 1.0, "robust": 0.55}
 
 
 class Parameters(BaseParameters, frozen=True):

@@ -199,7 +199,8 @@ def _slot(robot: Robot, left: Peer, right: Peer) -> complex:
         return robot.here
     near = left.beacon.pinned or left.beacon.close or (robot.is_robust and left.beacon.ready)
     along_m = (TOGETHER_M if near else robot.parameters.follow_m) - abs(first - left.here)
-    most_m = length_m - (APART_M if over_right is None else 0.0)
+    apart_m = robust.APART_M if robot.is_robust else APART_M
+    most_m = length_m - (apart_m if over_right is None else 0.0)
     if right.beacon.close and right.beacon.role == "leader":
         along_m = max(along_m, min(most_m - 0.05, robot.parameters.follow_m + 0.1))
     along_m = min(max(along_m, 0.0), max(most_m, 0.0))

@@ -24,6 +24,7 @@ LEAST = 3  # robots of a line
 SHADOW_M = 0.3  # from the leader
 ROOMY_M = 0.5  # a link in which there is room for a third robot
 PAIR_M = 0.62  # two leaders who wait for a third robot go no farther apart
+APART_M = 0.25  # from the right neighbour, where there are more robots than the line needs
 WIDE_M = 0.08  # beyond `follow_m`: a gap that only a loss leaves
 WALL_NEAR_M = 0.2  # a leader's next contact is no farther from the one before
 AT_WALL_M = 0.08  # so near to a wall it bars no view of it
