@@ -59,8 +59,11 @@ class Play:
         return [tick for tick, _, one in self.said if one == event]
 
     def breaches(self) -> list[tuple[int, float]]:
-        """Ticks, kills apart, in which ground became contaminated that nobody had in sight before."""
-        lost = [(one.tick, one.clearing.lost_m2 - one.clearing.given_up_m2, one.faults) for one in self.facts]
+        """Ticks, kills apart, in which held ground became contaminated that nobody had in sight before."""
+        lost = []
+        for one in self.facts:
+            said = one.clearing
+            lost.append((one.tick, said.lost_m2 - said.given_up_m2 - said.ahead_m2, one.faults))
         return [(tick, lost_m2) for tick, lost_m2, faults in lost if lost_m2 > BREACH_M2 and not faults]
 
     def line(self) -> list[int]:

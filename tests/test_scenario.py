@@ -109,7 +109,11 @@ def test_settings_and_overrides_change_a_scenario(good):
         ("duration=5", ["mine.toml", "duration is not a field", "did you mean duration_s?"]),
         (
             "robots.behaviour=gbs",
-            ["robots.parameters.", "is not a field", "--set robots.parameters={} drops those of the scenario"],
+            [
+                "robots.parameters.",
+                "is not a field",
+                "--set robots.parameters={} drops those of the scenario",
+            ],
         ),
         ("robots.behavior=lr_pt", ["robots.behavior is not a field", "did you mean behaviour?"]),
         ("field.colums=3", ["field.colums is not a field", "did you mean columns?"]),

@@ -38,7 +38,7 @@ class Parameters(BaseParameters, frozen=True):
     A robot leaves a line whose neighbours are `slack_m` nearer than they may be. `choose`: which part of a
     split line moves on, the one with more or with fewer robots. `team`: how many robots there are; None: all
     of the scenario. `dead_ticks`: who is silent for longer is dead. `hop_ticks`: how long a frame takes.
-    `patience_ticks`: how long to wait for robots that should come; `beginnings`: how often to begin again
+    `patience_ticks`: how long to wait for one more robot that should come; `beginnings`: how often to begin again
     elsewhere before the team says that it failed.
     """
 
@@ -50,7 +50,7 @@ class Parameters(BaseParameters, frozen=True):
     team: Annotated[int, msgspec.Meta(ge=1)] | None = None
     dead_ticks: Ticks = 6
     hop_ticks: Ticks = 1
-    patience_ticks: Ticks = 2500
+    patience_ticks: Ticks = 1000
     beginnings: Annotated[int, msgspec.Meta(ge=0)] = 6
 
     def settled(self, team_size: int) -> Self:

@@ -20,6 +20,7 @@ BESIDE_M, BESIDE_MOST_M, WALL_MOST_M = 0.3, 0.55, 0.4
 CORNER_STEPS, CORNER_RAD = 24, math.radians(60)
 WALK_M, WALK_MOST_M = 4.0, 12.0
 COURIERS = 2
+GATHER = 2  # times the patience, for the first to come has the longest way
 
 
 class Beginning:
@@ -27,7 +28,7 @@ class Beginning:
 
     def __init__(self) -> None:
         self.beginnings = 0
-        self._anchor_tick = self._chosen_tick = 0
+        self._arrival_tick = self._chosen_tick = self._most_here = 0
         self._walked_m = 0.0
         self._ways: list[complex] = []
         self._asked: list[int] = []
@@ -69,7 +70,7 @@ class Beginning:
         robot.claim = ""
         robot.events.append("restart")
         self.beginnings += 1
-        self._anchor_tick, self._walked_m, self._ways = robot.tick, 0.0, []
+        self._arrival_tick, self._most_here, self._walked_m, self._ways = robot.tick, 0, 0.0, []
 
     def first(self, robot: Robot) -> complex:
         """A robot at the start: the one with most walls around it forms the first line with another."""
@@ -104,11 +105,13 @@ class Beginning:
         """The anchor: it walks on to a corner if this is not the first time, waits for all, and forms."""
         if self.beginnings > 1 and self._walked_m < WALK_MOST_M:
             return self._walk(robot)
-        waited = robot.tick - self._anchor_tick
         here = 1 + sum(
             peer.beacon.tail for peer in robot.peers.known.values() if peer.beacon.ahead == robot.number
         )
-        if here < 2 or (here < robot.team and waited < robot.parameters.patience_ticks):
+        if here > self._most_here:
+            self._most_here, self._arrival_tick = here, robot.tick
+        waited = robot.tick - self._arrival_tick
+        if here < 2 or (here < robot.team and waited < GATHER * robot.parameters.patience_ticks):
             return 0j
         return self._form(robot)
 
