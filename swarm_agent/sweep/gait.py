@@ -27,6 +27,7 @@ ASIDE_DEG = (0, 20, 40, 60, 80, 100)
 APART_M, TOGETHER_M = 0.34, 0.25
 REST_M, NEARER_M, TRY_TICKS = 0.025, 0.08, 12
 RESTED_M = 0.08
+REST_TICKS = 10
 TAUT_TICKS = 12
 ANSWER_TICKS = 40
 
@@ -117,7 +118,9 @@ def along_wall(robot: Robot, hand: Side) -> complex:
 
 def _stays_at_wall(robot: Robot, way: complex) -> bool:
     """Is it still beside its wall after that way, or at least no farther from it?"""
-    return abs(robot.here + way - robot.contact) <= max(HOLD_M, abs(robot.here - robot.contact))
+    there = robot.here + way
+    wall = robust.next_contact(robot, there) if robot.is_robust else robot.contact
+    return abs(there - wall) <= max(HOLD_M, abs(robot.here - robot.contact))
 
 
 def _keep_m(robot: Robot) -> float:
@@ -143,21 +146,32 @@ class Slot:
     def __init__(self) -> None:
         self._trail: list[complex] = []
         self._rested: tuple[complex, complex] | None = None
+        self._rest_tick, self._rest_ticks = 0, REST_TICKS
 
     def way(self, robot: Robot, aim: complex, neighbours: tuple[complex, complex]) -> complex:
         """The way to go; nothing when it is there, or rests."""
         if self._rested is not None:
             moved = max(abs(now - then) for now, then in zip(neighbours, self._rested, strict=True))
-            if moved < RESTED_M:
+            if moved < RESTED_M and not self._tries_again(robot, aim):
                 return 0j
             self._rested, self._trail = None, []
         if abs(aim - robot.here) < REST_M:
             return 0j
         self._trail = [*self._trail[-TRY_TICKS:], robot.here]
         if len(self._trail) > TRY_TICKS and abs(self._trail[0] - robot.here) < NEARER_M:
-            self._rested = neighbours
+            self._rested, self._rest_tick = neighbours, robot.tick
             return 0j
         return robot.best(aim - robot.here)
+
+    def _tries_again(self, robot: Robot, aim: complex) -> bool:
+        """On a robust line one who is far from its slot waits for others beyond its neighbours, too."""
+        if not robot.is_robust or abs(aim - robot.here) < NEARER_M:
+            self._rest_ticks = REST_TICKS
+            return False
+        if robot.tick - self._rest_tick < self._rest_ticks:
+            return False
+        self._rest_ticks *= 2
+        return True
 
 
 def keep(robot: Robot, slot: Slot) -> complex:

@@ -111,11 +111,16 @@ def _may_lead(robot: Robot, there: complex) -> bool:
     if shadow is None:
         return True
     walls = robot.walls(shadow)
-    near = robot.hits[np.abs(robot.hits - robot.contact) <= WALL_NEAR_M]
-    contact = nearest(near, there) or robot.contact
+    contact = next_contact(robot, there)
     margin_m = wall_m(robot, shadow.here, contact, walls)
     needed_m = robot.step_m * (robot.tick - shadow.tick)
     return margin_m >= needed_m or margin_m >= wall_m(robot, shadow.here, robot.contact, walls) + 1e-6
+
+
+def next_contact(robot: Robot, there: complex) -> complex:
+    """The place of its wall that a leader would touch there."""
+    near = robot.hits[np.abs(robot.hits - robot.contact) <= WALL_NEAR_M]
+    return nearest(near, there) or robot.contact
 
 
 def _keeps_wall(robot: Robot, side: Side, there: complex) -> bool:
@@ -198,7 +203,7 @@ def wants(robot: Robot) -> bool:
 
 def _holds_both(robot: Robot) -> bool:
     leaders = [robot.neighbour(side) for side in SIDES]
-    return all(wall_m(robot, robot.here, one.contact, robot.walls(one)) > 2 * robot.step_m for one in leaders if one)
+    return all(wall_m(robot, robot.here, one.contact, robot.walls(one)) > 3.5 * robot.step_m for one in leaders if one)
 
 
 def slot(robot: Robot, length_m: float, along_m: float) -> float:
@@ -244,7 +249,7 @@ def wall_to_see(robot: Robot) -> complex | None:
         peer = robot.neighbour(side)
         if peer is None or not (peer.beacon.ready or shadowed(robot, side)):
             continue
-        if wall_m(robot, robot.here, peer.contact, robot.walls(peer)) < 2 * robot.step_m:
+        if wall_m(robot, robot.here, peer.contact, robot.walls(peer)) < 3 * robot.step_m:
             return peer.contact
     return None
 
