@@ -161,6 +161,8 @@ def _was_cut(robot: Robot, peer: Peer, side: Side) -> bool:
 def _waits_for(robot: Robot, peer: Peer, side: Side) -> bool:
     """Is that neighbour a pivot, and we the one to stand beside it? Of two pivots the right one gives way."""
     held = peer.beacon.beside(OTHER[side]) == robot.number
+    if robot.is_robust and side == "right":
+        return False  # the left neighbour of a pivot will be its shadow
     return held and peer.beacon.pinned and (side == "left" or not robot.pinned)
 
 

@@ -190,15 +190,14 @@ def keep(robot: Robot, slot: Slot) -> complex:
     ):
         robot.role, robot.since_role = "leaving", robot.tick
     for pivot in (left, right):
-        if pivot.beacon.pinned and abs(pivot.wall - robot.here) > APART_M:
+        if pivot.beacon.pinned and abs(pivot.wall - robot.here) > APART_M and not robot.is_robust:
             way = robot.best(pivot.wall - robot.here)
             if way:
                 return way
     if robot.is_robust:
         wall = robust.wall_to_see(robot)
-        way = 0j if wall is None else robot.best(wall - robot.here)
-        if way:
-            return way
+        if wall is not None:
+            return slot.way(robot, wall, (left.here, right.here))
     return slot.way(robot, _slot(robot, left, right), (left.here, right.here))
 
 

@@ -136,7 +136,7 @@ def _follow(robot: Robot, peer: Peer, side: Side) -> None:
         if near and agreed and robot.link_m(beyond, side) >= robot.step_m:
             _relink(robot, side, onward)
         return
-    if robot.role == "leaving" or robot.ready:
+    if robot.role == "leaving" or (robot.ready and not (robot.is_robust and side == "right")):
         return
     for one in robot.peers.known.values():
         asks = one.beacon.role == "joining" and one.beacon.beside(side) == peer.number

@@ -6,9 +6,9 @@ all on the same hand; so it meets every line there is on that ring of walls.
 
 import numpy as np
 
-from swarm_agent.sweep import robust
+from swarm_agent.sweep.filling import fill, is_knotted
 from swarm_agent.sweep.gait import toward
-from swarm_agent.sweep.geometry import NOTHING, clearance_m, crosses, nearest, roll, unit
+from swarm_agent.sweep.geometry import NOTHING, clearance_m, nearest, roll, unit
 from swarm_agent.sweep.links import BARELY_M, ask_in
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, WALL, Side
@@ -114,6 +114,8 @@ class Reserve:
         wait = (WAIT_TICKS + (2 * count if _is_second(robot) else 0)) * robot.parameters.hop_ticks
         if not wanted or len(flows) < 2 or robot.tick - self._asked_tick <= wait:
             return None
+        if robot.is_robust:
+            return fill(robot, beside, robot.tick - self._asked_tick > wait + BARRED_TICKS)
         middles = []
         for side in ("right", "left"):
             other = robot.peer(beacon.beside(side))
@@ -124,8 +126,7 @@ class Reserve:
                 abs(left.here - robot.here) + abs(right.here - robot.here) - abs(left.here - right.here)
             )
             holds = min(robot.link_m(left, "left"), robot.link_m(right, "right")) >= BARELY_M
-            holds = holds and not _is_knotted(robot, left, right)
-            holds = holds and (not robot.is_robust or robust.may_join(robot, left, right))
+            holds = holds and not is_knotted(robot, left, right)
             barred = robot.tick - self._asked_tick > wait + BARRED_TICKS * robot.parameters.hop_ticks
             if holds and (detour_m <= DETOUR_M or barred):
                 ask_in(robot, left, right)
@@ -227,15 +228,6 @@ def _is_in_sight(robot: Robot, peer: Peer) -> bool:
 def is_clear(robot: Robot, peer: Peer) -> bool:
     """Is there room for a body on the straight way to another robot?"""
     return clearance_m(robot.walls(peer), robot.here, peer.here) >= BODY_WIDTH_M
-
-
-def _is_knotted(robot: Robot, left: Peer, right: Peer) -> bool:
-    """Would a link across the way from a leader to its wall come about? Beyond that way, front is back."""
-    ends = ((left, "left", right), (right, "right", left))
-    return any(
-        end.beacon.beside(side) == WALL and crosses(robot.here, other.here, end.here, end.wall)
-        for end, side, other in ends
-    )
 
 
 def _is_second(robot: Robot) -> bool:

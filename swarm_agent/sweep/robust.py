@@ -240,14 +240,14 @@ def wants_at(robot: Robot) -> bool:
         return False
     if robot.closing:
         return not any(may_end(robot, side) for side in SIDES)
-    return not any(may_cut(robot, side) for side in SIDES)
+    return not may_cut(robot, "right")
 
 
 def wall_to_see(robot: Robot) -> complex | None:
     """The wall of a neighbour that it must come nearer to, to see it well."""
     for side in SIDES:
         peer = robot.neighbour(side)
-        if peer is None or not (peer.beacon.ready or shadowed(robot, side)):
+        if peer is None or not (peer.beacon.pinned or peer.beacon.ready or shadowed(robot, side)):
             continue
         if wall_m(robot, robot.here, peer.contact, robot.walls(peer)) < 3 * robot.step_m:
             return peer.contact
