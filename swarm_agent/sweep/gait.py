@@ -221,7 +221,8 @@ def _slot(robot: Robot, left: Peer, right: Peer) -> complex:
         along_m = max(along_m, min(TOGETHER_M, length_m / 2))
     if robot.is_robust:
         along_m = robust.slot(robot, length_m, along_m)
-    return first + (last - first) * (along_m / length_m)
+    back = robust.aside(robot, length_m, last - first) if robot.is_robust else 0j
+    return first + (last - first) * (along_m / length_m) + back
 
 
 def _push(robot: Robot, left: Peer, right: Peer) -> complex:

@@ -7,12 +7,13 @@ wall, too. All this binds every step, with the age of what is known of others.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from swarm_agent.sweep.geometry import clearance_m, nearest
+from swarm_agent.sweep.geometry import clearance_m, nearest, unit
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, OTHER, SIDES, WALL, Side
 
@@ -171,7 +172,7 @@ def can_do_without(robot: Robot, slack_m: float) -> bool:
         return False
     for outer, inner, opposite, side in ((before, left, right, "left"), (after, right, left, "right")):
         if inner.beacon.beside(side) == WALL:
-            if wall_m(robot, opposite.here, inner.contact, robot.walls(left, right)) < 2 * robot.step_m:
+            if wall_m(robot, opposite.here, inner.contact, robot.walls(left, right)) < 2.5 * robot.step_m:
                 return False
         elif outer is None or _between_m(robot, outer, opposite, side) < 2 * robot.step_m:
             return False
@@ -203,7 +204,7 @@ def wants(robot: Robot) -> bool:
 
 def _holds_both(robot: Robot) -> bool:
     leaders = [robot.neighbour(side) for side in SIDES]
-    return all(wall_m(robot, robot.here, one.contact, robot.walls(one)) > 3.5 * robot.step_m for one in leaders if one)
+    return all(wall_m(robot, robot.here, one.contact, robot.walls(one)) > 2 * robot.step_m for one in leaders if one)
 
 
 def slot(robot: Robot, length_m: float, along_m: float) -> float:
@@ -214,6 +215,13 @@ def slot(robot: Robot, length_m: float, along_m: float) -> float:
     if left:
         return min(SHADOW_M, length_m / 2)
     return max(length_m - SHADOW_M, length_m / 2) if right else along_m
+
+
+def aside(robot: Robot, length_m: float, way: complex) -> complex:
+    """How far behind the way between its neighbours the right shadow stands where that is too short for it."""
+    if shadowed(robot, "right") is None or length_m >= 2 * APART_M:
+        return 0j
+    return -1j * unit(way) * math.sqrt((APART_M + 0.02) ** 2 - length_m**2 / 4)
 
 
 def may_cut(robot: Robot, side: Side) -> bool:
