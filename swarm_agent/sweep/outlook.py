@@ -79,6 +79,10 @@ def obstacle(robot: Robot, outlook: Outlook) -> complex | None:
     if not len(found):
         return None
     places = outlook.ends[found]
+    if robot.is_robust:
+        places = places[robust.are_ahead(robot, places)]
+        if not len(places):
+            return None
     gaps = np.abs(places - robot.here)
     for side in SIDES:
         peer = robot.neighbour(side)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from swarm_agent.sweep.geometry import clearance_m, nearest, unit
+from swarm_agent.sweep.geometry import clearance_m, nearest, turn_rad, unit
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, OTHER, SIDES, WALL, Side
 
@@ -283,6 +283,25 @@ def leaders_walls(robot: Robot) -> np.ndarray:
                     break
                 own[following], ray = True, following
     return own
+
+
+def are_ahead(robot: Robot, places: np.ndarray) -> np.ndarray:
+    """Which places ahead are ahead of the neighbours nearer to them, too? Else the line is only folded there."""
+    ahead = np.ones(len(places), dtype=bool)
+    for side in SIDES:
+        beside, after = robot.neighbour(side), beyond(robot, side)
+        if beside is None:
+            continue
+        end = beside.contact if shadowed(robot, side) else after.here if after else None
+        if end is None:
+            continue
+        ways = [end - beside.here, robot.here - beside.here]
+        left, right = ways if side == "left" else ways[::-1]
+        away = places - beside.here
+        turned = np.angle(left / away) % math.tau
+        within = turned <= turn_rad(left, right, "right")
+        ahead &= within | (np.abs(away) >= np.abs(places - robot.here))
+    return ahead
 
 
 def may_join(robot: Robot, left: Peer, right: Peer) -> bool:
