@@ -228,7 +228,7 @@ def may_cut(robot: Robot, side: Side) -> bool:
     """May a pivot cut the line on a side: have both new ends a shadow that sees their wall, and enough robots?"""
     ready, other, after = robot.neighbour(side), robot.neighbour(OTHER[side]), beyond(robot, side)
     counts = [flow.count for flow in robot.told.values() if flow]
-    if ready is None or other is None or after is None or robot.any_told("want"):
+    if ready is None or other is None or after is None:
         return False
     enough = robot.told[side].count >= LEAST and robot.told[OTHER[side]].count >= LEAST - 1
     sees = sees_wall(robot, other, robot.contact) and sees_wall(robot, after, ready.contact)
