@@ -35,6 +35,9 @@ FOLLOW_M = {"plain": 1.0, "robust": 0.55}
 class Parameters(BaseParameters, frozen=True):
     """Robots on a line stand at most `follow_m` apart; leaders stay `obstacle_m` from walls.
 
+    `spacing`: "robust" for a line that holds without any one of its robots, "plain" (as None is) for one that
+    need not. `follow_m` is 1 m in a plain line, and 0.55 m in a robust one, unless it is given.
+
     A robot leaves a line whose neighbours are `slack_m` nearer than they may be. `choose`: which part of a
     split line moves on, the one with more or with fewer robots. `team`: how many robots there are; None: all
     of the scenario. `dead_ticks`: who is silent for longer is dead. `hop_ticks`: how long a frame takes.
@@ -54,9 +57,14 @@ class Parameters(BaseParameters, frozen=True):
     beginnings: Annotated[int, msgspec.Meta(ge=0)] = 6
 
     def settled(self, team_size: int) -> Self:
-        """The team is everybody but the tower, unless it is given."""
-        follow_m = self.follow_m or FOLLOW_M[self.spacing or "plain"]
-        return msgspec.structs.replace(self, follow_m=follow_m, team=self.team or max(1, team_size - 1))
+        """The team is everybody but the tower, unless it is given; a plain line is said by leaving it out."""
+        spacing = None if self.spacing == "plain" else self.spacing
+        return msgspec.structs.replace(
+            self,
+            spacing=spacing,
+            follow_m=self.follow_m or FOLLOW_M[spacing or "plain"],
+            team=self.team or max(1, team_size - 1),
+        )
 
 
 class SweepLine(Behaviour):
