@@ -82,6 +82,8 @@ def _meet(robot: Robot, outlook: Outlook, met: int) -> bool:
             continue
         if robot.link_m(peer, side) < robot.step_m or not is_closed_to(robot, outlook, peer, side):
             continue
+        if robot.is_robust and not robust.may_meet(robot, peer, side):
+            continue
         if robot.is_main and not met and robot.tick <= robot.other_met_tick + 2 * _heard_ticks(robot):
             continue
         robot.meets, robot.old[peer.number] = peer.number, side

@@ -235,6 +235,15 @@ def may_cut(robot: Robot, side: Side) -> bool:
     return enough and sees and len(counts) == len(SIDES)
 
 
+def may_meet(robot: Robot, peer: Peer, side: Side) -> bool:
+    """May two leaders link their lines: would the links to second neighbours hold, too?"""
+    inner, other = robot.neighbour(OTHER[side]), robot.peer(peer.beacon.beside(side))
+    if inner is None or other is None:
+        return False
+    ends = _between_m(robot, inner, peer, OTHER[side]), robot.link_m(other, side)
+    return min(ends) >= robot.step_m
+
+
 def may_end(robot: Robot, side: Side) -> bool:
     """May a robot give up its link on a side for a wall: does the neighbour on the other side see it?"""
     inner = robot.neighbour(OTHER[side])
