@@ -6,7 +6,7 @@ Nothing is decided before the whole line has stood still for so long that all ne
 import networkx
 
 from swarm_agent.graph_clear import next_vertex
-from swarm_agent.sweep import robust
+from swarm_agent.sweep import robust_line
 from swarm_agent.sweep.outlook import Outlook, is_closed_to, sides_open
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import GO_HOME, NOBODY, OTHER, SIDES, WALL, Side
@@ -82,7 +82,7 @@ def _meet(robot: Robot, outlook: Outlook, met: int) -> bool:
             continue
         if robot.link_m(peer, side) < robot.step_m or not is_closed_to(robot, outlook, peer, side):
             continue
-        if robot.is_robust and not robust.may_meet(robot, peer, side):
+        if robot.is_robust and not robust_line.may_meet(robot, peer, side):
             continue
         if robot.is_main and not met and robot.tick <= robot.other_met_tick + 2 * _heard_ticks(robot):
             continue
@@ -182,7 +182,7 @@ def _judge(robot: Robot, outlook: Outlook) -> None:
         robot.pinned, robot.halt, robot.closing = True, False, False
     elif open_left or open_right:
         side: Side = "left" if open_right else "right"
-        if robot.is_robust and not robust.may_end(robot, side):
+        if robot.is_robust and not robust_line.may_end(robot, side):
             robot.pinned, robot.halt, robot.closing = True, False, True
             return
         robot.events.append("closed")
@@ -202,7 +202,7 @@ def _split(robot: Robot) -> bool:
         held = peer is not None and peer.beacon.ready and peer.beacon.beside(OTHER[side]) == robot.number
         if not held or robot.old or not robot.is_whole:
             continue
-        if robot.is_robust and not robust.may_cut(robot, side):
+        if robot.is_robust and not robust_line.may_cut(robot, side):
             continue
         left = robot.told["left"].count + (side == "right")
         right = robot.told["right"].count + (side == "left")

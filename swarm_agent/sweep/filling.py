@@ -1,6 +1,6 @@
 """How a robust line is filled: who is to come in goes to where the line wants one more robot."""
 
-from swarm_agent.sweep import robust
+from swarm_agent.sweep import robust_line
 from swarm_agent.sweep.gait import toward
 from swarm_agent.sweep.geometry import clearance_m, crosses
 from swarm_agent.sweep.links import BARELY_M, ask_in
@@ -24,7 +24,7 @@ def fill(robot: Robot, beside: Peer, barred: bool) -> complex | None:
         detour_m = abs(left.here - robot.here) + abs(right.here - robot.here) - abs(left.here - right.here)
         holds = min(robot.link_m(left, "left"), robot.link_m(right, "right")) >= BARELY_M
         near = detour_m <= DETOUR_M or barred
-        if near and holds and not is_knotted(robot, left, right) and robust.may_join(robot, left, right):
+        if near and holds and not is_knotted(robot, left, right) and robust_line.may_join(robot, left, right):
             ask_in(robot, left, right)
             return 0j
     middles = [(left.here + right.here) / 2 for left, right in links]

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from swarm_agent.sweep import robust
+from swarm_agent.sweep import robust, robust_line
 from swarm_agent.sweep.geometry import nearest, roll, shortened, turn_rad, unit
 from swarm_agent.sweep.links import is_spare
 from swarm_agent.sweep.outlook import JOINED_M, Outlook
@@ -195,7 +195,7 @@ def keep(robot: Robot, slot: Slot) -> complex:
             if way:
                 return way
     if robot.is_robust:
-        wall = robust.wall_to_see(robot)
+        wall = robust_line.wall_to_see(robot)
         if wall is not None:
             return slot.way(robot, wall, (left.here, right.here))
     return slot.way(robot, _slot(robot, left, right), (left.here, right.here))
@@ -212,7 +212,7 @@ def _slot(robot: Robot, left: Peer, right: Peer) -> complex:
         return robot.here
     near = left.beacon.pinned or left.beacon.close or (robot.is_robust and left.beacon.ready)
     along_m = (TOGETHER_M if near else robot.parameters.follow_m) - abs(first - left.here)
-    apart_m = robust.APART_M if robot.is_robust else APART_M
+    apart_m = robust_line.APART_M if robot.is_robust else APART_M
     most_m = length_m - (apart_m if over_right is None else 0.0)
     if right.beacon.close and right.beacon.role == "leader":
         along_m = max(along_m, min(most_m - 0.05, robot.parameters.follow_m + 0.1))
@@ -220,8 +220,8 @@ def _slot(robot: Robot, left: Peer, right: Peer) -> complex:
     if over_left is None:
         along_m = max(along_m, min(TOGETHER_M, length_m / 2))
     if robot.is_robust:
-        along_m = robust.slot(robot, length_m, along_m)
-    back = robust.aside(robot, length_m, last - first) if robot.is_robust else 0j
+        along_m = robust_line.slot(robot, length_m, along_m)
+    back = robust_line.aside(robot, length_m, last - first) if robot.is_robust else 0j
     return first + (last - first) * (along_m / length_m) + back
 
 

@@ -5,7 +5,7 @@ up a link until the other end has shown that it holds the new one. Until then bo
 that is said is a state, said again in every tick, so that lost frames cost time and nothing else.
 """
 
-from swarm_agent.sweep import robust
+from swarm_agent.sweep import robust, robust_line
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import NOBODY, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot
@@ -64,7 +64,11 @@ def is_spare(robot: Robot) -> bool:
         one.beacon.pinned or one.beacon.close or one.beacon.role == "leaving" for one in (left, right)
     )
     if robot.is_robust:
-        return not needed and not robot.any_told("want") and robust.can_do_without(robot, robot.parameters.slack_m)
+        return (
+            not needed
+            and not robot.any_told("want")
+            and robust_line.can_do_without(robot, robot.parameters.slack_m)
+        )
     near = abs(left.here - right.here) <= robot.parameters.follow_m - robot.parameters.slack_m
     return (
         not needed
@@ -184,6 +188,8 @@ def _lose(robot: Robot, side: Side) -> str:
     robot.dead.add(number)
     robot.old.pop(number, None)
     lost = robot.peers.lost.get(number)
+    if robot.is_robust and robust_line.close_ranks(robot, side, lost):
+        return ""
     if lost is not None and robot.number not in (lost.beacon.left, lost.beacon.right):
         robot.become("reserve")  # it did not hold us when it was last heard: it is out of reach, and not dead
         robot.dead.discard(number)
@@ -193,9 +199,8 @@ def _lose(robot: Robot, side: Side) -> str:
         if beyond is not None and robot.link_m(beyond, side) >= 0:
             robot.beside[side] = beyond.number
             return ""
-        wall = robot.held.get(side, lost.wall)
-        if lost.beacon.beside(side) == WALL and robot.role == "centre" and robot.sees(wall):
-            robot.beside[side], robot.contact, robot.role = WALL, wall, "leader"
+        if lost.beacon.beside(side) == WALL and robot.role == "centre" and robot.sees(lost.wall):
+            robot.beside[side], robot.contact, robot.role = WALL, lost.wall, "leader"
             return ""
     robot.beside[side] = NOBODY
     return f"r{number} is silent"
