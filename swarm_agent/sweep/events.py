@@ -7,6 +7,7 @@ import networkx
 
 from swarm_agent.graph_clear import next_vertex
 from swarm_agent.sweep import robust_line
+from swarm_agent.sweep.gait import touch
 from swarm_agent.sweep.outlook import Outlook, is_closed_to, sides_open
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import GO_HOME, NOBODY, OTHER, SIDES, WALL, Side
@@ -141,15 +142,20 @@ def _in_the_middle(robot: Robot, outlook: Outlook) -> None:
             robot.pinned = robot.halt = False
             if robot.sees(peer.wall):
                 robot.ready, robot.contact = True, peer.wall
+                if robot.is_robust:
+                    touch(robot)
     if robot.ready or _beside_pivot(robot):
         return
     obstacle = robot.obstacle is not None or (robot.pinned and robot.sees(robot.contact))
     if not obstacle or robot.order == GO_HOME:
         robot.pinned = robot.halt = False
         return
-    if not robot.pinned:
+    was_pinned = robot.pinned
+    if not was_pinned:
         robot.contact, robot.halt = robot.obstacle, True
-    elif robot.is_main and _split(robot):
+    if robot.is_robust:
+        touch(robot)  # its shadow is to see the place that it will hold as a leader
+    if was_pinned and robot.is_main and _split(robot):
         return
     if robot.is_quiet:
         _judge(robot, outlook)
