@@ -114,7 +114,12 @@ def wall_to_see(robot: Robot) -> complex | None:
 
 
 def may_join(robot: Robot, left: Peer, right: Peer) -> bool:
-    """Would the line hold without any one robot if it stood between two of it here?"""
+    """Would the line hold without any one robot if it stood between two of it here?
+
+    Two leaders alone hold nothing yet.
+    """
+    if left.beacon.left == WALL and right.beacon.right == WALL:
+        return True
     for inner, opposite, side in ((left, right, "left"), (right, left, "right")):
         number = inner.beacon.beside(side)
         if number == WALL:
