@@ -14,7 +14,7 @@ from deploy.explain import explain
 from deploy.field_file import whole
 from deploy.mistake import Mistake
 from deploy.scenario_checks import check
-from swarm_agent.behaviour import BehaviourError, find_behaviour, settled_parameters
+from swarm_agent.behaviour import Air, BehaviourError, find_behaviour, settled_parameters
 from wire.scenario import Cluster, Scenario, Sensors
 
 SHORT = {"behaviour": "robots.behaviour"}
@@ -154,16 +154,18 @@ def _endless(value: Any, place: str = "") -> Iterator[tuple[str, float]]:
 
 def _complete(scenario: Scenario, source: str) -> Scenario:
     """Find both behaviours and fill in their parameters, so that the resolved scenario says all."""
-    team_size = len(scenario.node_ids)
-    robots = _with_parameters(scenario.robots, "swarm_agent.behaviours", team_size, f"{source}: robots")
-    tower = _with_parameters(scenario.tower, "tower", team_size, f"{source}: tower")
+    team_size, radio = len(scenario.node_ids), scenario.radio
+    slowest = max((fault.every for fault in scenario.faults), default=1)
+    air = Air(scenario.tick_s, radio.latency_ticks, radio.loss, slowest)
+    robots = _with_parameters(scenario.robots, "swarm_agent.behaviours", team_size, air, f"{source}: robots")
+    tower = _with_parameters(scenario.tower, "tower", team_size, air, f"{source}: tower")
     return msgspec.structs.replace(scenario, robots=robots, tower=tower)
 
 
-def _with_parameters(section: Any, package: str, team_size: int, place: str) -> Any:
+def _with_parameters(section: Any, package: str, team_size: int, air: Air, place: str) -> Any:
     try:
         behaviour = find_behaviour(section.behaviour, package)
-        parameters = settled_parameters(behaviour, section.parameters, team_size)
+        parameters = settled_parameters(behaviour, section.parameters, team_size, air)
     except BehaviourError as error:
         raise ScenarioError(f"{place}.behaviour: {error}") from None
     except msgspec.ValidationError as error:

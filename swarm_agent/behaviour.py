@@ -16,11 +16,27 @@ class BehaviourError(Exception):
     """A behaviour that cannot be found or is not one; the text says which and why."""
 
 
+class Air(NamedTuple):
+    """How frames get through: how long they take, which share is lost, how seldom a slow node is granted."""
+
+    tick_s: float = 1.0
+    latency_ticks: int = 1
+    loss: float = 0.0
+    grant_ticks: int = 1
+
+
 class Parameters(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Base of every behaviour's parameters; a field that does not exist is an error in the scenario."""
 
     def settled(self, team_size: int) -> Self:
         """These parameters with everything filled in that depends on the team's size, the tower counted.
+
+        Raises ValueError in words an operator understands.
+        """
+        return self
+
+    def in_air(self, air: Air) -> Self:
+        """These parameters with everything filled in that depends on how frames get through.
 
         Raises ValueError in words an operator understands.
         """
@@ -120,9 +136,11 @@ def find_behaviour(name: str, package: str) -> type[Behaviour]:
     return found[0]
 
 
-def settled_parameters(behaviour: type[Behaviour], given: dict[str, Any], team_size: int) -> Parameters:
+def settled_parameters(
+    behaviour: type[Behaviour], given: dict[str, Any], team_size: int, air: Air = Air()
+) -> Parameters:
     """The behaviour's complete parameters. Raises msgspec.ValidationError or ValueError."""
-    return msgspec.convert(given, behaviour.Parameters).settled(team_size)
+    return msgspec.convert(given, behaviour.Parameters).settled(team_size).in_air(air)
 
 
 def _is_behaviour(thing: Any) -> bool:

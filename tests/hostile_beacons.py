@@ -7,7 +7,7 @@ import msgspec
 from hypothesis import strategies as st
 
 from swarm_agent.graph_copy import Delta, Edge, Moving, Version, Vertex
-from swarm_agent.sweep.radio import Beacon, Flow, Measured
+from swarm_agent.sweep.radio import SIDES, Beacon, Flow, Measured
 
 NUMBERS = st.sampled_from((-1, 0, 1, 2, 3, 4, 5, 6, 7, 9999))
 COUNTS = st.sampled_from((0, 1, 2, 3, 7, 9_999, 10_000))
@@ -15,13 +15,13 @@ TICKS = st.sampled_from((-1, 0, 1, 50, 200, 1000, 2**53))
 FLOATS = st.sampled_from((0.0, -0.0, 1e-12, 0.3, -2.0, 7.0, 1e6, -1e300, math.inf, -math.inf, math.nan))
 FLAGS = st.booleans()
 ROLES = st.sampled_from(("free", "anchor", "reserve", "joining", "centre", "leader", "leaving"))
-STAGES = st.sampled_from(("", "forming", "cut", "closed", "gone", "gathering"))
+STAGES = st.sampled_from(("", "forming", "cut", "closed", "gone", "homing", "gathering"))
 RANGES = st.sampled_from(
     (b"", b"\0", b"\0" * 180, b"\xff" * 180, b"\x80" * 180, b"\x40\xff" * 90, b"\7" * 4000)
 )
 FEW = {"max_size": 4}
 FLOWS = st.none() | st.builds(
-    Flow, COUNTS, TICKS, TICKS, FLAGS, FLAGS, FLAGS, FLAGS, FLAGS, COUNTS, FLOATS, TICKS, COUNTS
+    Flow, COUNTS, TICKS, TICKS, FLAGS, FLAGS, FLAGS, FLAGS, FLAGS, COUNTS, FLOATS, TICKS, COUNTS, FLAGS
 )
 MEASURED = st.lists(st.builds(Measured, NUMBERS, TICKS, FLOATS), **FEW).map(tuple)
 VERSIONS = st.builds(Version, st.sampled_from((0, 1, 2, 500, 2**53)), st.sampled_from(("", "r3", "z" * 40)))
@@ -68,6 +68,7 @@ FIELDS: dict[str, st.SearchStrategy[Any]] = {
     "epoch": COUNTS,
     "anchor": NUMBERS,
     "couriers": st.lists(NUMBERS, **FEW).map(tuple),
+    "hand": st.sampled_from(SIDES),
     "dead": st.lists(NUMBERS, **FEW).map(tuple),
     "gone": st.lists(NUMBERS, **FEW).map(tuple),
     "version": VERSIONS,

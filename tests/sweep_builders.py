@@ -5,6 +5,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from swarm_agent.behaviour import Air
 from swarm_agent.behaviours.sweep_line import Parameters
 from swarm_agent.graph_copy import NOTHING
 from swarm_agent.sweep.peers import Peer
@@ -37,6 +38,7 @@ SAID = Beacon(
     anchor=0,
     meets=0,
     couriers=(),
+    hand="left",
     dead=(),
     gone=(),
     version=NOTHING,
@@ -71,7 +73,8 @@ def a_robot(number: int = 2, team: int = 8, **parameters: Any) -> Robot:
     told = configuration(
         f"r{number}", field=Unseen(DETECT_M, RAYS, 2.0), tick_s=0.25, max_speed_m_s=0.2, body_m=0.2
     )
-    return Robot(told, Parameters(**({"team": team} | parameters)))
+    settled = Parameters(**({"team": team} | parameters)).in_air(Air())
+    return Robot(told, settled)
 
 
 def sees_walls(robot: Robot, *places: np.ndarray) -> None:

@@ -111,9 +111,11 @@ def column(x_m: float, width_m: float, count: int, wall_m: float = 0.25) -> list
     return [(x_m, y_m) for y_m in np.linspace(width_m - wall_m, wall_m, count).tolist()]
 
 
-def lined_up(course: Play, count: int) -> None:
-    """The first robots become a line, from left to right, the others its reserve; in tick MET_TICK."""
-    if course.tick != MET_TICK:
+def lined_up(course: Play, count: int, at_tick: int = MET_TICK) -> None:
+    """The first robots become a line, from left to right, the others its reserve, when all have met."""
+    if course.tick != at_tick:
+        for robot in course.robots.values() if course.tick < at_tick else ():
+            robot.born = robot.tick
         return
     for number, mind in course.minds.items():
         robot, last = mind.robot, count + 1

@@ -25,6 +25,8 @@ MAY_IMPORT = {
         "swarm_agent.behaviour",
         "swarm_agent.startup",
         "swarm_agent.line_radio",
+        "swarm_agent.graph_copy",
+        "swarm_agent.sweep.radio",
     ),
     "deploy": ("wire", "world_server", "swarm_agent", "tower", "deploy"),
     "tests": FLOORS,
@@ -73,14 +75,10 @@ PURE = (
     "swarm_agent/graph_clear.py",
     "swarm_agent/cut_sets.py",
     "swarm_agent/graph_copy.py",
-    "tower/base_station.py",
-    "tower/desk.py",
-    "tower/orders.py",
-    "tower/queue.py",
-    "tower/recall.py",
-    "tower/roster.py",
-    "tower/dispatch.py",
-    "tower/line_keeper.py",
+    *(
+        f"tower/{name}.py"
+        for name in "base_station desk orders queue recall roster dispatch line_keeper graph_keeper".split()
+    ),
     "deploy/metrics/*.py",
     "deploy/graph_file.py",
     "deploy/pattern_search.py",
@@ -275,6 +273,7 @@ def test_nothing_of_ours_draws_from_global_randomness():
         "swarm_agent.behaviours.lr_pt",
         "tower.base_station",
         "tower.line_keeper",
+        "tower.graph_keeper",
     ],
 )
 def test_a_robot_process_stays_lean(main):

@@ -24,6 +24,8 @@ def commands(robot: Robot, captain: Captain, ticks: int, **told) -> tuple[int, s
     """Let so many ticks go by with such news, until it says that the team must begin again: when, and why."""
     for _ in range(ticks):
         robot.tick += 1
+        for peer in robot.peers.known.values():
+            peer.tick = robot.tick - 1
         robot.told["left"] = flow(**({"count": robot.told["left"].count, "since": robot.tick - 2} | told))
         if trouble := captain.command(robot):
             return robot.tick, trouble

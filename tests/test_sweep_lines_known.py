@@ -75,7 +75,7 @@ def test_no_graph_that_can_be_told_crashes_who_decides_by_it(delta, gone, deed):
     if robot.graph.main is None:
         events.choose_next(robot)
     if deed == "again":
-        Beginning().again(robot)
+        Beginning().again(robot, "r9 is silent", home=True)
         assert robot.graph.lines() == {} and robot.graph.main is None
     elif robot.graph.main is not None:
         graph = robot.graph

@@ -1,6 +1,10 @@
 """Robots of a line that fall silent: the link closes over them, or the team begins again."""
 
-from swarm_agent.sweep.radio import WALL
+import pytest
+
+from swarm_agent.sweep import links
+from swarm_agent.sweep.radio import NOBODY, WALL
+from tests.sweep_builders import a_robot, meets, stands
 from tests.sweep_play import MET_TICK, Play, column, in_line, lined_up, play
 from wire.fields import Point
 from wire.scenario import PlannedFault
@@ -39,7 +43,7 @@ def test_a_link_closes_over_one_that_has_fallen_silent():
 
 
 def test_the_neighbour_of_a_leader_that_has_fallen_silent_takes_its_wall_if_it_sees_it():
-    """Source: specs of mission clear, 3.11; slots are packed to the left, away from it."""
+    """Source: specs of mission clear, 3.11; slots are packed to the left, so the last is near it."""
     given = in_line((NARROW,), column(0.35, 1.8, 3), [(0.12, 0.9)], faults=killed("r4"))
 
     def watch(course: Play) -> bool:
@@ -79,3 +83,17 @@ def test_of_the_reserve_one_that_dies_is_not_missed():
     course = play(given, 400, until_done)
     assert course.told("restart") == [] and course.breaches() == []
     assert {robot.claim for robot in course.robots.values()} == {"done"}
+
+
+@pytest.mark.parametrize(("needed_tick", "beside", "trouble"), [(23, 4, ""), (24, NOBODY, "r3 is silent")])
+def test_a_gap_that_may_have_been_open_for_one_tick_is_not_closed_over(needed_tick, beside, trouble):
+    """Whoever is fast has come through by then, even if both ends of the gap see each other now."""
+    robot = a_robot(2)
+    stands(robot, "leader", WALL, 3)
+    robot.tick = 25
+    robot.peers.lost[3] = meets(robot, 3, -0.4j, left=2, right=4)
+    del robot.peers.known[3]
+    meets(robot, 4, -0.8j, left=3, right=WALL)
+    robot.needed_tick["right"] = needed_tick
+    assert links.tend(robot) == trouble
+    assert robot.beside["right"] == beside

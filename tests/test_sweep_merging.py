@@ -1,4 +1,4 @@
-"""Islands: a line that goes round one meets the line that it left there from the front, and they become one."""
+"""Islands: a line that goes round one meets the line that it left there, and they become one."""
 
 from functools import cache
 
@@ -42,7 +42,7 @@ def test_a_merge_is_told_once_and_draws_a_cycle():
 
 
 def a_leader(side: Side, other: Flow, line: int = 0, **met: int) -> Robot:
-    """An end of a line at a wall below it, and near it, at the same wall, an end of another line that faces it.
+    """An end of a line at a wall below it, and near it an end of another line that faces it.
 
     `line`: the number of its own line; the main line has 0. `met`: what the other one says of whom it meets.
     """

@@ -1,4 +1,4 @@
-"""What is said of a floor plan that is being cleared: by robots for observers, and by the referee."""
+"""What is said of a floor plan that is being cleared: by robots and tower to observers, by the referee."""
 
 from typing import Literal
 
@@ -29,6 +29,17 @@ class Standing(Message):
     graph: bytes = b""
     wall_m: tuple[float, float] = (0.0, 0.0)
     epoch: Count = 0
+
+
+class Overheard(Message):
+    """What the tower says to observers of the graph that robots draw: its action's report.
+
+    `heard_tick`: the last tick in which a robot said that this is the newest that it knows. `graph`: whole,
+    as swarm_agent.graph_copy.Delta; empty where it is the one that was told last.
+    """
+
+    heard_tick: Count
+    graph: bytes = b""
 
 
 class Clearing(Message):

@@ -145,6 +145,16 @@ class RadioSection(Section):
     bytes_per_tick: Annotated[int, msgspec.Meta(ge=1, le=1_000_000)] = 65_536
     inbox_frames: Annotated[int, msgspec.Meta(ge=1, le=1_000_000)] = 4096
 
+    @property
+    def latency_ticks(self) -> int:
+        """How long a frame takes that gets through."""
+        return max((rule.ticks for rule in self.rules if isinstance(rule, Latency)), default=1)
+
+    @property
+    def loss(self) -> float:
+        """The share of frames within range that are lost."""
+        return 1 - math.prod(1 - rule.probability for rule in self.rules if isinstance(rule, Loss))
+
 
 class ClockSection(Section):
     """`lockstep` runs as fast as it goes, `paced` at `rate` simulated seconds per second."""

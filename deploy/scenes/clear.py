@@ -4,6 +4,7 @@ What is contaminated is what the referee says; roles, lines and the graph are wh
 """
 
 import math
+from contextlib import suppress
 from typing import ClassVar
 
 import numpy as np
@@ -25,10 +26,11 @@ from deploy.scenes.mission import (
     Strokes,
 )
 from deploy.scenes.shapes import area_m2, circles, filled, rings_of, seen_from
-from deploy.scenes.sketch import CANVAS, sketched
+from deploy.scenes.sketch import CANVAS, FOOT, sketched
 from swarm_agent.graph_copy import Delta
 from swarm_agent.sweep.radio import BARRIER
-from wire.clearing import Standing
+from wire import codec
+from wire.clearing import Overheard, Standing
 from wire.messages import Facts
 from wire.scenario import Scenario, Sensors
 
@@ -83,7 +85,7 @@ class ClearMission(Mission):
     title = "Map: red may hide intruders, dark green is clear; white: main line, orange: standing lines"
     names_say_trouble = True
     shows_traffic = False
-    canvas = CANVAS
+    canvas = (CANVAS[0], CANVAS[1] + FOOT)
     graph_title = "Surveillance graph: regions v, robots needed"
     legend = (
         "Red floor: an intruder may be there, as the referee knows; the robots do not. Circles: how far they "
@@ -91,7 +93,8 @@ class ClearMission(Mission):
         "Robots by role: yellow leaders, green centres, blue reserve, pink the anchor that the others gather "
         "around. Graph, as some robot last told it: a box `v2: 5` is a region that takes 5 robots, green "
         "clear, white swept now, red unknown, orange lost again; boxes between them are necks and the robots "
-        "that block them, orange where a line stands, violet where a way round an island closed."
+        "that block them, orange where a line stands, violet where a way round an island closed. Below: "
+        "when the tower last heard of the graph that it has."
     )
 
     def __init__(self, scenario: Scenario) -> None:
@@ -109,7 +112,9 @@ class ClearMission(Mission):
         self._is_clear = False
         self._outline = self._drawn_outline = b""
         self._drawn_area: dict[str, Strokes | None] = {"contaminated": None, "front": None}
-        self._graph: Delta | None = None
+        self._tower, self._tick_s = scenario.tower.id, scenario.tick_s
+        self._overheard: Overheard | None = None
+        self._drawn_graph: tuple[Delta | None, str] = (None, "")
         self._sketch: Sketch | None = None
         self._news: list[tuple[str, str]] = []
         self._claims: set[str] = set()
@@ -133,9 +138,11 @@ class ClearMission(Mission):
         before = dict(self._metrics.lost_m2)
         self._metrics.feed(facts)
         self._facts, self._news = facts, []
-        for node, _ in facts.reports:
+        for node, report in facts.reports:
             if node in self._metrics.standing:
                 self._listen(node, self._metrics.standing[node])
+            elif node == self._tower:
+                self._listen_to_tower(report)
         for cause, lost_m2 in self._metrics.lost_m2.items():
             if lost_m2 - before[cause] > (self._breach_m2 if cause == "breach" else TOLD_M2):
                 level, words = LOST[cause]
@@ -154,6 +161,10 @@ class ClearMission(Mission):
             self._claims.add(standing.claim)
             level, words = CLAIMS[standing.claim]
             self._news.append((level, f"{node} {words}"))
+
+    def _listen_to_tower(self, report: bytes) -> None:
+        with suppress(codec.Malformed):  # a tower with other words for observers
+            self._overheard = codec.decode(Overheard, report)
 
     def news(self) -> list[tuple[str, str]]:
         """Decisions and claims of robots, losses, and that all is clear."""
@@ -215,11 +226,19 @@ class ClearMission(Mission):
         return Strokes(*zip(*drawn, strict=True)) if drawn else None
 
     def sketch(self) -> Sketch | None:
-        """The newest graph that any robot told."""
-        if self._metrics.graph is not self._graph:
-            self._graph = self._metrics.graph
-            self._sketch = sketched(self._graph)
+        """The newest graph that any robot told, and how old the one is that the tower heard."""
+        graph, words = self._metrics.graph, self._of_tower()
+        if graph is not None and (graph is not self._drawn_graph[0] or words != self._drawn_graph[1]):
+            self._drawn_graph = graph, words
+            self._sketch = sketched(graph, words)
         return self._sketch
+
+    def _of_tower(self) -> str:
+        if self._overheard is None:
+            return ""
+        heard_tick = self._overheard.heard_tick
+        age_s = (self._facts.tick - heard_tick) * self._tick_s
+        return f"tower: graph of tick {heard_tick}, {age_s:.1f} s old"
 
 
 def _plots(all_m2: float) -> tuple[Plot, ...]:

@@ -9,15 +9,18 @@ from swarm_agent.graph_copy import Delta, Edge, Vertex
 
 CANVAS = (480.0, 250.0)
 """Width and height of the drawing, in units of the view's own."""
+FOOT = 25.0
+"""Room below it for a line of words."""
 WIDEST_STEP, WIDEST_ROW = 130.0, 50.0
 """Small graphs are not pulled apart farther than that."""
 MARGIN = 30.0
 
 
-def sketched(graph: Delta) -> Sketch:
+def sketched(graph: Delta, words: str = "") -> Sketch:
     """Vertices with their weights in the colours of their states; between them the weights of edges.
 
-    Edges have no words and colours in Rerun's graphs, so each has a box of its own in its middle.
+    Edges have no words and colours in Rerun's graphs, so each has a box of its own in its middle; and so have
+    the `words` below.
     """
     places = _places(graph)
     swept = graph.main.vertex if graph.main else None
@@ -34,6 +37,11 @@ def sketched(graph: Delta) -> Sketch:
         labels.append(f"line {edge.line}: {edge.robots}" if edge.line else str(edge.robots))
         colours.append(_hold(edge))
         points.append(((low_x + high_x) / 2, (low_y + high_y) / 2))
+    if words:
+        names.append("words")
+        labels.append(words)
+        colours.append(GREY)
+        points.append((CANVAS[0] / 2, CANVAS[1] + FOOT / 2))
     return Sketch(tuple(names), tuple(points), tuple(labels), tuple(colours), tuple(links))
 
 

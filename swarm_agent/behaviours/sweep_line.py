@@ -6,20 +6,21 @@ Source: Kolling and Carpin, "Multi-robot pursuit-evasion without maps", ICRA 201
 pseudocode, and where we do otherwise: docs/clear.md.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Annotated, Literal, Self
 
 import msgspec
 import numpy as np
 
-from swarm_agent.behaviour import Behaviour, Heard, Move
+from swarm_agent.behaviour import Air, Behaviour, Heard, Move
 from swarm_agent.behaviour import Parameters as BaseParameters
-from swarm_agent.graph_copy import NOTHING
+from swarm_agent.graph_copy import NOTHING, Version
 from swarm_agent.sweep import events, flows, gait, links
 from swarm_agent.sweep.beginning import Beginning
 from swarm_agent.sweep.captain import Captain
 from swarm_agent.sweep.outlook import Outlook, look, obstacle
-from swarm_agent.sweep.radio import WALL, Beacon
+from swarm_agent.sweep.radio import WALL, Beacon, Lacking, Spoken
 from swarm_agent.sweep.reserve import Reserve
 from swarm_agent.sweep.robot import Robot
 from wire import codec
@@ -30,6 +31,8 @@ Metres = Annotated[float, msgspec.Meta(gt=0)]
 Ticks = Annotated[int, msgspec.Meta(ge=1, le=100_000)]
 STILL_M = 1e-6
 FOLLOW_M = {"plain": 1.0, "robust": 0.55}
+RARELY = 1e-6  # false deaths by loss alone, for each link and hour
+DELAYED_TICKS = 5  # for so long a frame may be late for any other reason
 
 
 class Parameters(BaseParameters, frozen=True):
@@ -40,9 +43,10 @@ class Parameters(BaseParameters, frozen=True):
 
     A robot leaves a line whose neighbours are `slack_m` nearer than they may be. `choose`: which part of a
     split line moves on, the one with more or with fewer robots. `team`: how many robots there are; None: all
-    of the scenario. `dead_ticks`: who is silent for longer is dead. `hop_ticks`: how long a frame takes.
-    `patience_ticks`: how long to wait for one more robot that should come; `beginnings`: how often to begin again
-    elsewhere before the team says that it failed.
+    of the scenario. `dead_ticks`: who is silent for longer is dead. `hop_ticks`: how long news takes from one
+    robot to the next, the slowest robot included. None: as the scenario's radio and faults call for.
+    `patience_ticks`: how long to wait for one more robot that should come; `beginnings`: how often to begin
+    again elsewhere before the team says that it failed.
     """
 
     spacing: Literal["plain", "robust"] | None = None
@@ -51,8 +55,8 @@ class Parameters(BaseParameters, frozen=True):
     slack_m: Metres = 0.1
     choose: Literal["more", "fewer"] = "more"
     team: Annotated[int, msgspec.Meta(ge=1)] | None = None
-    dead_ticks: Ticks = 6
-    hop_ticks: Ticks = 1
+    dead_ticks: Ticks | None = None
+    hop_ticks: Ticks | None = None
     patience_ticks: Ticks = 1000
     beginnings: Annotated[int, msgspec.Meta(ge=0)] = 6
 
@@ -66,12 +70,23 @@ class Parameters(BaseParameters, frozen=True):
             team=self.team or max(1, team_size - 1),
         )
 
+    def in_air(self, air: Air) -> Self:
+        """Nobody is taken for dead whose frames are only late, or lost as often as one must reckon with."""
+        hop_ticks = self.hop_ticks or air.latency_ticks + air.grant_ticks - 1
+        frames = 1
+        if air.loss > 0:
+            if air.loss >= 1:
+                raise ValueError("a team whose radio loses every frame cannot clear anything")
+            frames = math.ceil(math.log(RARELY * air.tick_s / 3600) / math.log(air.loss))
+        dead_ticks = self.dead_ticks or hop_ticks + air.grant_ticks * (frames - 1) + DELAYED_TICKS
+        return msgspec.structs.replace(self, hop_ticks=hop_ticks, dead_ticks=dead_ticks)
+
 
 class SweepLine(Behaviour):
     """A robot of a sweep team."""
 
     Parameters = Parameters
-    Radio = Beacon
+    Radio = Spoken
 
     def __init__(
         self, parameters: Parameters, configuration: Configuration, generator: np.random.Generator
@@ -83,6 +98,8 @@ class SweepLine(Behaviour):
         self._outlook: Outlook | None = None
         self._drawn = NOTHING
         """The newest version of the graph that observers know from this robot."""
+        self._lacking: list[Version] = []
+        """Versions of listeners that are no robots."""
 
     def step(self, percept: Percept, heard: Sequence[Heard]) -> Move:
         """Look, listen, agree with the neighbours, move, and tell."""
@@ -105,7 +122,9 @@ class SweepLine(Behaviour):
         if percept.why == "start":
             robot.born = percept.tick
         robot.tick, robot.events = percept.tick, []
-        robot.peers.take(percept.tick, complex(*senses.odometry_m), heard)
+        beacons = [one for one in heard if isinstance(one.message, Beacon)]
+        self._lacking = [one.message.version for one in heard if isinstance(one.message, Lacking)]
+        robot.peers.take(percept.tick, complex(*senses.odometry_m), beacons)
         robot.ranges_m = np.frombuffer(senses.scan, "<f4").astype(float)
         seen = np.isfinite(robot.ranges_m)
         robot.hits = robot.here + robot.ranges_m[seen] * robot.eye.units[seen]
@@ -116,8 +135,8 @@ class SweepLine(Behaviour):
     def _stand_in_line(self) -> None:
         """Tend the links, and see what is to be decided."""
         robot, before = self.robot, self.robot.role
-        trouble = links.tend(robot)
-        if not trouble and robot.on_line:
+        lost = trouble = links.tend(robot)
+        if not lost and robot.on_line:
             flows.hear(robot)
             robot.order = robot.told["right"].order if robot.told["right"] else robot.order
             self._outlook = look(robot)
@@ -127,8 +146,7 @@ class SweepLine(Behaviour):
             if robot.role == "leader" and robot.beside["right"] == WALL:
                 trouble = self.captain.command(robot)
         if trouble:
-            self.beginning.again(robot)
-            robot.trouble = trouble
+            self.beginning.again(robot, trouble, home=bool(lost))
         elif robot.role == "reserve" and before != "reserve":
             self.reserve.begin(robot)
 
@@ -161,7 +179,8 @@ class SweepLine(Behaviour):
     def _beacon(self) -> Beacon:
         robot = self.robot
         version = robot.graph.version
-        older = [one.beacon.version for one in robot.peers.known.values() if one.beacon.version < version]
+        robots = [one.beacon.version for one in robot.peers.known.values() if one.beacon.version < version]
+        older = robots or [one for one in self._lacking if one < version]  # robots come first
         wall = robot.contact - robot.here
         return Beacon(
             robot.role,
@@ -186,6 +205,7 @@ class SweepLine(Behaviour):
             robot.epoch,
             robot.anchor,
             robot.couriers,
+            self.reserve.hand,
             tuple(sorted(robot.dead)),
             tuple(sorted(robot.gone)),
             version,

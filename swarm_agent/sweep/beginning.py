@@ -11,12 +11,14 @@ import numpy as np
 
 from swarm_agent.sweep.geometry import nearest, turn_rad, unit
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import MOST, OTHER, SIDES, WALL
+from swarm_agent.sweep.radio import MOST, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.reserve import Reserve, is_clear, travel
 from swarm_agent.sweep.robot import Robot
+from swarm_agent.sweep.trail import Trail
 
 SETTLE_TICKS, SECOND_TICKS = 6, 40
 BESIDE_M, BESIDE_MOST_M, WALL_MOST_M = 0.3, 0.55, 0.4
+BESIDE_WALL_M = 0.02
 CORNER_STEPS, CORNER_RAD = 24, math.radians(60)
 WALK_M, WALK_MOST_M = 4.0, 12.0
 COURIERS = 2
@@ -31,11 +33,14 @@ class Beginning:
         self._arrival_tick = self._chosen_tick = self._most_here = 0
         self._walked_m = 0.0
         self._ways: list[complex] = []
+        self._trail = Trail()
         self._asked: list[int] = []
         """Who did not come when it was asked to be the second leader."""
 
     def hear(self, robot: Robot, reserve: Reserve) -> None:
         """Take over who is dead, and that the team begins again."""
+        if robot.stage != "homing":
+            self._trail.note(robot.here)
         for peer in robot.peers.known.values():
             beacon = peer.beacon
             robot.dead.update(number for number in beacon.dead if number not in (0, robot.number))
@@ -44,17 +49,23 @@ class Beginning:
             if newer or (beacon.epoch == robot.epoch and 0 < beacon.anchor < robot.anchor):
                 robot.epoch, robot.anchor, robot.couriers = beacon.epoch, beacon.anchor, beacon.couriers
                 robot.become("reserve", "gone")
-                reserve.begin(robot)
-                reserve.underway = reserve.gone_round = False
+                reserve.begin(robot, self._hand(robot, peer))
                 robot.claim = ""
-                for courier, hand in zip(robot.couriers, SIDES, strict=False):
-                    if courier == robot.number:
-                        reserve.hand = hand
-                    elif courier == peer.number:
-                        reserve.hand = OTHER[hand]  # back the way that the courier came
 
-    def again(self, robot: Robot) -> None:
-        """All that was clear is given up, here and now; this robot is the anchor."""
+    @staticmethod
+    def _hand(robot: Robot, teller: Peer) -> Side:
+        """Couriers go away from the anchor, each its way; who is told comes back the way that they went."""
+        if robot.number in robot.couriers:
+            return SIDES[robot.couriers.index(robot.number) % 2]
+        hand = teller.beacon.hand
+        return OTHER[hand] if teller.number in robot.couriers else hand
+
+    def again(self, robot: Robot, trouble: str, home: bool) -> None:
+        """All that was clear is given up, here and now; this robot is the anchor.
+
+        `home`: it goes back to where the team first began, which was good until somebody died.
+        """
+        robot.trouble = trouble
         graph = robot.graph
         if graph.main is not None:
             graph.release(None)
@@ -65,11 +76,14 @@ class Beginning:
         )
         couriers = tuple(one.number for one in near[:COURIERS]) if len(near) + 1 < robot.team else ()
         robot.become("anchor", "gathering")
-        robot.contact = nearest(robot.hits, robot.here) or robot.here
+        robot.contact = robot.nearest_wall() or robot.here
         robot.epoch, robot.anchor, robot.couriers = robot.epoch + 1, robot.number, couriers
         robot.claim = ""
         robot.events.append("restart")
         self.beginnings += 1
+        if home and robot.epoch == 1:
+            robot.stage = "homing"
+            self._trail.begin(robot.tick)
         self._arrival_tick, self._most_here, self._walked_m, self._ways = robot.tick, 0, 0.0, []
 
     def first(self, robot: Robot) -> complex:
@@ -102,9 +116,17 @@ class Beginning:
         return all((*_openness(robot, one.ranges_m), one.number) > own for one in known)
 
     def gather(self, robot: Robot) -> complex:
-        """The anchor: it walks on to a corner if this is not the first time, waits for all, and forms."""
+        """The anchor: it goes home, or on to a corner if this is not the first time, waits, and forms."""
+        if robot.stage == "homing":
+            way = self._trail.way(robot)
+            if way is not None:
+                return way
+            robot.stage, self._arrival_tick = "gathering", robot.tick
         if self.beginnings > 1 and self._walked_m < WALK_MOST_M:
             return self._walk(robot)
+        way = _to_wall(robot)
+        if way:
+            return way
         here = 1 + sum(
             peer.beacon.tail for peer in robot.peers.known.values() if peer.beacon.ahead == robot.number
         )
@@ -142,14 +164,10 @@ class Beginning:
         return way
 
     def _form(self, robot: Robot) -> complex:
-        wall = nearest(robot.hits, robot.here)
-        if wall is None:
-            seen = [peer.hits for peer in robot.peers.known.values()]
-            wall = nearest(np.concatenate(seen), robot.here) if seen else None
-            return robot.best(robot.step_m if wall is None else wall - robot.here, holds=False)
-        robot.contact = wall
-        if abs(wall - robot.here) > robot.parameters.obstacle_m + 0.02:
-            return robot.best(wall - robot.here, holds=False, wall_m=0.1)
+        way = _to_wall(robot)
+        if way is not None:
+            return way
+        wall = robot.contact
         near = _candidates(robot)
         if near:
             robot.become("leader", "forming")
@@ -166,6 +184,17 @@ class Beginning:
             if beacon.stage == "forming" and beacon.right == robot.number and beacon.epoch == robot.epoch:
                 return _stand_beside(robot, peer)
         return None
+
+
+def _to_wall(robot: Robot) -> complex | None:
+    """A step to the nearest wall; None beside it."""
+    wall = robot.nearest_wall()
+    if wall is None:
+        return robot.best(robot.step_m + 0j, holds=False)
+    robot.contact = wall
+    if len(robot.hits) and abs(wall - robot.here) <= robot.parameters.obstacle_m + BESIDE_WALL_M:
+        return None
+    return robot.best(wall - robot.here, holds=False, wall_m=0.1)
 
 
 def _stand_beside(robot: Robot, first: Peer) -> complex:

@@ -6,12 +6,12 @@ up and the team begins again elsewhere.
 """
 
 from swarm_agent.sweep.events import strike_out
-from swarm_agent.sweep.radio import GO_BACK, GO_HOME, GO_ON, WALL
+from swarm_agent.sweep.radio import BARRIER, GO_BACK, GO_HOME, GO_ON, WALL
 from swarm_agent.sweep.robot import Robot
 
 FIRST_PLACE = 2
 SLOWLY_TICKS, ORDER_TICKS, PUSH_TICKS, HOME_TICKS = 30, 400, 200, 1500
-ROUNDS = 2
+ROUNDS, HITS = 2, 3  # so often a search is begun again, with nothing found, or without a split that follows
 
 
 class Captain:
@@ -20,7 +20,7 @@ class Captain:
     def __init__(self) -> None:
         self.beginnings = 0
         self._order_tick = self._main_tick = self._complete_tick = self._rounds = 0
-        self._robots = 0
+        self._robots = self._hits = self._since = 0
 
     def command(self, robot: Robot) -> str:
         """Order what is to be done. Returns why the team must begin again, or nothing."""
@@ -35,6 +35,7 @@ class Captain:
             self._order_tick = robot.tick
             if told.pinned and robot.order >= FIRST_PLACE:
                 self._rounds = 0
+                self._hits += 1
                 self._give(robot, GO_ON)
             return ""
         for_ticks = robot.tick - self._order_tick
@@ -92,7 +93,10 @@ class Captain:
 
     def _search(self, robot: Robot) -> str:
         """Begin a round of searching, if there is anybody to search with and no round too many."""
-        if self._rounds >= ROUNDS or robot.count < FIRST_PLACE + 1 or robot.told["left"].pinned:
+        if robot.since != self._since:
+            self._since, self._hits = robot.since, 0
+        vain = self._rounds >= ROUNDS or self._hits > HITS
+        if vain or robot.count < FIRST_PLACE + 1 or robot.told["left"].pinned:
             return self._fail(robot)
         self._rounds += 1
         if self._rounds == 1:
@@ -129,11 +133,17 @@ class Captain:
         return ""
 
     def _following(self, robot: Robot) -> int | None:
-        """The newest standing line that would get more robots, and as many as it is known to need."""
+        """The newest standing line that would have as many robots as it is known to need.
+
+        Who stood there in vain needs more than there were then: so each is tried once with so many. Without a
+        robot to tell it, it must hear the captain.
+        """
+        near = {peer.beacon.line for peer in robot.peers.known.values() if peer.beacon.role in BARRIER}
         lines = robot.graph.lines()
         free = robot.team - robot.count - sum(edge.robots for edge in lines.values())
         for line in sorted(lines, reverse=True):
             robots = lines[line].robots + free
-            if free > 0 and robots >= robot.graph.vertex(robot.graph.ahead_of(line)).robots:
+            told = free > 0 or line in near
+            if told and robots >= robot.graph.vertex(robot.graph.ahead_of(line)).robots:
                 return line
         return None

@@ -2,7 +2,8 @@
 
 from swarm_agent.sweep import robust_line
 from swarm_agent.sweep.gait import toward
-from swarm_agent.sweep.geometry import clearance_m, crosses
+from swarm_agent.sweep.geometry import clearance_m
+from swarm_agent.sweep.knots import is_knotted
 from swarm_agent.sweep.links import BARELY_M, ask_in
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, OTHER, SIDES, WALL, Side
@@ -33,15 +34,6 @@ def fill(robot: Robot, beside: Peer, barred: bool) -> complex | None:
         return toward(robot, min(clear, key=lambda place: abs(place - robot.here))) or None
     onward = _onward(robot, beside)
     return toward(robot, onward.here) or None if onward else None
-
-
-def is_knotted(robot: Robot, left: Peer, right: Peer) -> bool:
-    """Would a link across the way from a leader to its wall come about? Beyond that way, front is back."""
-    ends = ((left, "left", right), (right, "right", left))
-    return any(
-        end.beacon.beside(side) == WALL and crosses(robot.here, other.here, end.here, end.wall)
-        for end, side, other in ends
-    )
 
 
 def _links(robot: Robot, line: int) -> list[Link]:

@@ -29,7 +29,7 @@ def _about(beacon, side: Side) -> Flow | None:
 def _joined(robot: Robot, side: Side, before: Flow | None) -> Flow:
     own = Flow(
         1,
-        robot.tick,
+        robot.news_tick,
         robot.moved,
         robot.open,
         robot.halt,

@@ -54,7 +54,7 @@ def lead(robot: Robot, outlook: Outlook) -> complex:
 
 
 def _awaits(robot: Robot) -> bool:
-    """Does it stand until another line has answered? For a while; nearer to it they may see more of each other."""
+    """Does it stand until another line has answered? Only for a while: from nearer both may see more."""
     return robot.meets > 0 and robot.tick - robot.met_tick <= ANSWER_TICKS * robot.parameters.hop_ticks
 
 

@@ -7,10 +7,10 @@ that is said is a state, said again in every tick, so that lost frames cost time
 
 from swarm_agent.sweep import robust, robust_line
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import NOBODY, OTHER, SIDES, WALL, Side
-from swarm_agent.sweep.robot import Robot
+from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, WALL, Side
+from swarm_agent.sweep.robot import NEVER, Robot
 
-PATIENCE_TICKS = 12
+PATIENCE_TICKS, FORGOTTEN = 12, 3
 BARELY_M = 0.02  # the margin that is enough for a link that nobody opens before it is taken over
 
 
@@ -19,7 +19,11 @@ def tend(robot: Robot) -> str:
     robot.refused = {
         one for one in robot.refused if (peer := robot.peer(one)) and peer.beacon.role == "joining"
     }
-    for number in [number for number in robot.old if _is_free_of(robot, number)]:
+    for side in SIDES:
+        if not _holds_without(robot, side):
+            robot.needed_tick[side] = robot.tick
+    beside = robot.beside.values()
+    for number in [number for number in robot.old if number in beside or _is_over(robot, number)]:
         del robot.old[number]
     if robot.is_robust:
         robust.watch(robot)
@@ -87,6 +91,24 @@ def _is_free_of(robot: Robot, number: int) -> bool:
     return peer is None or robot.number not in (peer.beacon.left, peer.beacon.right)
 
 
+def _is_over(robot: Robot, number: int) -> bool:
+    """Is the old link to a robot given up by both ends, and is who came between them on the line?
+
+    It may have given up while they took it over; then they still have each other.
+    """
+    peer, between = robot.peer(number), robot.neighbour(robot.old[number])
+    if peer is None:
+        return True
+    stands = between is None or (between.beacon.role in BARRIER and not _is_free_of(robot, between.number))
+    return stands and _is_free_of(robot, number) and _answers(robot, peer)
+
+
+def _answers(robot: Robot, peer: Peer) -> bool:
+    """Had it heard of our latest link when it spoke? Before, what it says of its own is no refusal."""
+    heard = (one.tick for one in peer.beacon.measured if one.number == robot.number)
+    return max(heard, default=-1) >= robot.linked_tick
+
+
 def _come_in(robot: Robot) -> None:
     """Both hold it: it is on the line. Neither does, for a while: it is not. Until then it stays there."""
     left, right = (robot.neighbour(side) for side in SIDES)
@@ -116,14 +138,29 @@ def _is_dissolved(robot: Robot, peer: Peer, side: Side) -> bool:
 
 
 def _is_passed_over(robot: Robot) -> bool:
-    """Do both neighbours hold each other, or for a while others than this robot?"""
+    """Do both neighbours hold each other, or another robot in its place? Or has it had no news for a while?
+
+    Of two robots that have the same neighbours only the one with the higher number gives way: news is late,
+    and each might see that both hold the other.
+    """
     left, right = (robot.neighbour(side) for side in SIDES)
     if left is None or right is None:
         return False
-    if _holds(left, "right", robot) or _holds(right, "left", robot):
+    if any(robot.told.values()):
         robot.held_tick = robot.tick
-    forgotten = robot.tick - robot.held_tick > _patience(robot)
-    return forgotten or (left.beacon.right == right.number and right.beacon.left == left.number)
+    if robot.tick - robot.held_tick > FORGOTTEN * _patience(robot):
+        return True
+    if left.beacon.right == right.number and right.beacon.left == left.number:
+        return True
+    instead = robot.peer(left.beacon.right)
+    return (
+        instead is not None
+        and instead.number < robot.number
+        and instead.beacon.role in BARRIER
+        and right.beacon.left == instead.number
+        and (instead.beacon.left, instead.beacon.right) == (left.number, right.number)
+        and robot.margin_m(instead.here, right.here, robot.walls(instead, right)) >= robot.step_m
+    )
 
 
 def _follow(robot: Robot, peer: Peer, side: Side) -> None:
@@ -137,24 +174,37 @@ def _follow(robot: Robot, peer: Peer, side: Side) -> None:
     if beacon.role == "leaving" and robot.role != "leaving" and beyond is not None and back == robot.number:
         near = abs(beyond.here - robot.here) <= robot.parameters.follow_m
         agreed = side == "right" or beyond.beacon.right == robot.number
-        if near and agreed and robot.link_m(beyond, side) >= robot.step_m:
+        if near and agreed and robot.link_m(beyond, side) >= robot.needed_m(beyond):
             _relink(robot, side, onward)
         return
     if robot.role == "leaving" or (robot.ready and not (robot.is_robust and side == "right")):
         return
-    for one in robot.peers.known.values():
+    for one in robot.peers.known.values() if beacon.role in BARRIER else ():  # one comes in after the other
         asks = one.beacon.role == "joining" and one.beacon.beside(side) == peer.number
         if not asks or one.beacon.beside(OTHER[side]) != robot.number or one.number in robot.refused:
             continue
         agreed = side == "right" or beacon.right == one.number
         if agreed and robot.link_m(one, side) >= BARELY_M:
             _relink(robot, side, one.number)
-            robot.linked_tick = robot.tick
             return
-    if back != robot.number and beacon.role != "joining":
-        _turn_back(robot, side)
+    instead = _instead(robot, peer) if side == "left" else None
+    if instead is not None:
+        _relink(robot, side, instead.number)
+    elif back != robot.number and beacon.role != "joining":
+        if _answers(robot, peer):
+            _turn_back(robot, side)
     elif beacon.role == "joining" and side == "right" and robot.tick - robot.linked_tick > _patience(robot):
         _turn_back(robot, side)
+
+
+def _instead(robot: Robot, peer: Peer) -> Peer | None:
+    """Who claims the place of a left neighbour, if the robot on the left of both holds that one."""
+    left = robot.peer(peer.beacon.left)
+    one = robot.peer(left.beacon.right) if left is not None else None
+    if one is None or one is peer or one.beacon.role not in BARRIER:
+        return None
+    fits = (one.beacon.left, one.beacon.right) == (left.number, robot.number)
+    return one if fits and robot.link_m(one, "left") >= BARELY_M else None
 
 
 def _turn_back(robot: Robot, side: Side) -> None:
@@ -165,13 +215,18 @@ def _turn_back(robot: Robot, side: Side) -> None:
             robot.refused.add(robot.beside[side])
             _relink(robot, side, one.number)
             return
+    if robot.neighbour(side).beacon.role not in (*BARRIER, "joining"):
+        for number in [number for number, of in robot.old.items() if of == side and robot.peer(number)]:
+            robot.refused.add(robot.beside[side])
+            _relink(robot, side, number)
 
 
 def _relink(robot: Robot, side: Side, number: int) -> None:
     if robot.beside[side] > 0:
         robot.old[robot.beside[side]] = side
     robot.old.pop(number, None)
-    robot.beside[side] = number
+    robot.beside[side], robot.linked_tick = number, robot.tick
+    robot.needed_tick[side] = NEVER if _holds_without(robot, side) else robot.tick
 
 
 def _adopt_line(robot: Robot, peer: Peer, side: Side) -> None:
@@ -182,8 +237,24 @@ def _adopt_line(robot: Robot, peer: Peer, side: Side) -> None:
         robot.line, robot.since = beacon.line, beacon.since
 
 
+def _holds_without(robot: Robot, side: Side) -> bool:
+    """Would the line hold if its neighbour on that side were gone?"""
+    peer = robot.neighbour(side)
+    if peer is None:
+        return True  # it has fallen silent just now
+    onward = peer.beacon.beside(side)
+    if onward == WALL:
+        return robot.role == "centre" and robot.sees(peer.wall)
+    beyond = robot.peer(onward)
+    near = beyond is not None and abs(beyond.here - robot.here) <= 2 * robot.reach_m
+    return near and robot.link_m(beyond, side) >= 0
+
+
 def _lose(robot: Robot, side: Side) -> str:
-    """A neighbour is silent for good: the link may hold without it. Returns what is wrong, or nothing."""
+    """A neighbour is silent for good: the link may hold without it. Returns what is wrong, or nothing.
+
+    It must have held without it at all times since it was last heard: a gap of one tick lets everything in.
+    """
     number = robot.beside[side]
     robot.dead.add(number)
     robot.old.pop(number, None)
@@ -195,11 +266,12 @@ def _lose(robot: Robot, side: Side) -> str:
         robot.dead.discard(number)
         return ""
     if lost is not None:
+        held = robot.needed_tick[side] < lost.tick
         beyond = robot.peer(lost.beacon.beside(side))
-        if beyond is not None and robot.link_m(beyond, side) >= 0:
+        if held and beyond is not None and robot.link_m(beyond, side) >= 0:
             robot.beside[side] = beyond.number
             return ""
-        if lost.beacon.beside(side) == WALL and robot.role == "centre" and robot.sees(lost.wall):
+        if held and lost.beacon.beside(side) == WALL and robot.role == "centre" and robot.sees(lost.wall):
             robot.beside[side], robot.contact, robot.role = WALL, lost.wall, "leader"
             return ""
     robot.beside[side] = NOBODY

@@ -98,6 +98,7 @@ class Peers:
         self.lost: dict[int, Peer] = {}
         """Those who have not been heard for too long, as they were."""
         self.measured: tuple[Measured, ...] = ()
+        """Bearings of all that was heard now, and the last one of who was not: what was said may be lost."""
         self._own, self._eye, self._dead_ticks = own, eye, dead_ticks
         self._trace: dict[int, complex] = {}
         self._bearings: dict[tuple[int, int], float] = {}
@@ -110,16 +111,21 @@ class Peers:
         oldest = tick - REMEMBERED_TICKS
         self._trace = {at: place for at, place in self._trace.items() if at > oldest}
         self._bearings = {key: one for key, one in self._bearings.items() if key[1] > oldest}
-        self.measured = tuple(
-            Measured(number_of(one.sender), one.sent_tick, one.bearing_rad) for one in heard
-        )
-        for told, one in zip(self.measured, heard, strict=True):
+        now = tuple(Measured(number_of(one.sender), one.sent_tick, one.bearing_rad) for one in heard)
+        for told, one in zip(now, heard, strict=True):
             self._bearings[told.number, told.tick] = told.bearing_rad
             self._meet(told.number, one)
+        last = {one.number: one for one in self.measured if tick - one.tick <= self._dead_ticks}
+        missed = last.keys() - {one.number for one in now}
+        self.measured = now + tuple(last[number] for number in sorted(missed))
         silent = {number for number, peer in self.known.items() if tick - peer.tick > self._dead_ticks}
         self.lost |= {number: self.known.pop(number) for number in silent}
         for number in self.known:
             self.lost.pop(number, None)
+
+    def _was_at(self, tick: int) -> complex:
+        """Its own place when a tick was over: it moves only when granted, so the next one known is it."""
+        return self._trace[min(at for at in self._trace if at >= tick)]
 
     def _meet(self, sender: int, one: Heard) -> None:
         for measured in one.message.measured:
@@ -129,7 +135,7 @@ class Peers:
         before = self.known.get(sender)
         if sender not in self._turns or (before is not None and before.tick > one.sent_tick):
             return
-        here = self._trace.get(one.sent_tick, self.here) + cmath.rect(one.range_m, one.bearing_rad)
+        here = self._was_at(one.sent_tick) + cmath.rect(one.range_m, one.bearing_rad)
         follows = before is not None and before.tick == one.sent_tick - 1
         stood = before.here if follows else here
         self.known[sender] = Peer(

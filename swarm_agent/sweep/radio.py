@@ -4,6 +4,7 @@ Robots are named by their numbers. Lines are seen with the contaminated side ahe
 a left and a right neighbour, and the leaders have a wall there.
 """
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import msgspec
@@ -31,7 +32,7 @@ Order = Annotated[int, msgspec.Meta(ge=-2, le=10_000)]
 Angle = Annotated[float, msgspec.Meta(ge=-10, le=10)]
 Way = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
 """Numbers that are finite: bounds refuse what is no number, too."""
-Stage = Literal["", "forming", "cut", "closed", "gone", "gathering"]
+Stage = Literal["", "forming", "cut", "closed", "gone", "homing", "gathering"]
 
 
 class Flow(msgspec.Struct, frozen=True, array_like=True):
@@ -76,8 +77,8 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     way to the wall that it holds, or would hold where it is `pinned`; `ready`: does it see the wall of its
     pinned neighbour; `close`: its neighbour must come near, for it has an obstacle ahead and is a leader.
     `meets`: a leader of another line, with whom it would become one line. `epoch`: how often the team began
-    again, at `anchor`, with `couriers` underway to tell the others. `dead` robots and `gone` lines: all that
-    it knows of.
+    again, at `anchor`, with `couriers` underway to tell the others; `hand`: where it keeps walls when it
+    travels. `dead` robots and `gone` lines: all that it knows of.
     """
 
     role: Role
@@ -102,6 +103,7 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     epoch: Count
     anchor: Number
     couriers: tuple[Number, ...]
+    hand: Side
     dead: tuple[Number, ...]
     gone: tuple[Number, ...]
     version: Version
@@ -120,3 +122,16 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     def follows_nobody(self) -> bool:
         """Is it no part of a line?"""
         return self.role not in BARRIER
+
+
+@dataclass(frozen=True)
+class Lacking:
+    """Said by who is no robot of the team: I have this version of the graph, and heard of a newer one.
+
+    A map on the wire, so that no beacon, which is a list, needs a tag to be told from it.
+    """
+
+    version: Version
+
+
+Spoken = Beacon | Lacking

@@ -6,9 +6,10 @@ all on the same hand; so it meets every line there is on that ring of walls.
 
 import numpy as np
 
-from swarm_agent.sweep.filling import fill, is_knotted
+from swarm_agent.sweep.filling import fill
 from swarm_agent.sweep.gait import toward
 from swarm_agent.sweep.geometry import NOTHING, clearance_m, nearest, roll, unit
+from swarm_agent.sweep.knots import is_knotted
 from swarm_agent.sweep.links import BARELY_M, ask_in
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, Side
@@ -36,21 +37,22 @@ class Reserve:
     def __init__(self) -> None:
         self.hand: Side = "left"
         self.underway = self.gone_round = False
+        self._depart_tick = 0
         self._asked: tuple[bool, int, int] = (False, 0, 0)
         self._asked_tick = self._place_tick = 0
         self._place = 0j
 
-    def begin(self, robot: Robot) -> None:
-        """It has just left a line."""
-        self.hand = "left"
-        robot.contact = nearest(robot.hits, robot.here) or robot.here
+    def begin(self, robot: Robot, hand: Side = "left") -> None:
+        """It has just left a line, or heard that the team begins again."""
+        self.hand, self.underway, self.gone_round, self._depart_tick = hand, False, False, 0
+        robot.contact = robot.nearest_wall() or robot.here
 
     def way(self, robot: Robot) -> complex:
         """Where to go now. It may ask to come into the line instead."""
         room = _make_room(robot, robot.is_robust and self._asked[0])
         if room:
             return room
-        if robot.number in robot.couriers:
+        if robot.number in robot.couriers and not _is_homing(robot):
             robot.ahead, robot.rank = NOBODY, UNRANKED
             return self._carry_word(robot)
         robot.tail = min(MOST_TAIL, 1 + _followers(robot))
@@ -75,7 +77,7 @@ class Reserve:
         return travel(robot, self.hand)
 
     def _carry_word(self, robot: Robot) -> complex:
-        """A courier goes round the walls, from the anchor, until it meets the other one, or the anchor again."""
+        """A courier goes round the walls from the anchor, until it meets the other one, or the anchor."""
         if not self.underway:
             return self._depart(robot)
         met = [peer for number in (robot.anchor, *robot.couriers) if (peer := robot.peer(number))]
@@ -86,15 +88,16 @@ class Reserve:
         return self._go_round(robot)
 
     def _depart(self, robot: Robot) -> complex:
-        """Both couriers begin at the wall of the anchor, on each side of it, else they might go the same way."""
+        """Couriers begin at the wall of the anchor, on each side of it, else they might go the same way."""
         anchor = robot.peer(robot.anchor)
-        stalled = robot.tick - robot.since_role > STALLED_TICKS * robot.parameters.hop_ticks
+        self._depart_tick = self._depart_tick or robot.tick
+        stalled = robot.tick - self._depart_tick > STALLED_TICKS * robot.parameters.hop_ticks
         if anchor is None or stalled:
-            self.underway = True
+            self.underway, robot.contact = True, robot.nearest_wall() or robot.contact
             return 0j
         ahead = unit(anchor.wall - anchor.here) * (-1j if self.hand == "left" else 1j)
         place = anchor.here + DEPART_M * ahead
-        if abs(place - robot.here) < DEPART_M / 2:
+        if anchor.wall != anchor.here and abs(place - robot.here) < DEPART_M / 2:
             self.underway, robot.contact = True, anchor.wall
         return toward(robot, place)
 
@@ -135,6 +138,12 @@ class Reserve:
         if not middles:
             return None
         return toward(robot, min(middles, key=lambda place: abs(place - robot.here))) or None
+
+
+def _is_homing(robot: Robot) -> bool:
+    """Is the anchor on its way home? Couriers go with it."""
+    anchor = robot.peer(robot.anchor)
+    return anchor is not None and anchor.beacon.stage == "homing"
 
 
 def _rank(robot: Robot, leader: Peer | None) -> int:

@@ -14,9 +14,10 @@ import numpy as np
 
 from swarm_agent.surveillance_graph import SurveillanceGraph
 from swarm_agent.sweep import robust
-from swarm_agent.sweep.geometry import clearance_m, crosses, shortened
+from swarm_agent.sweep.geometry import clearance_m, nearest, shortened
+from swarm_agent.sweep.knots import is_crossed
 from swarm_agent.sweep.peers import Eye, Peer, Peers
-from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, WALL, Flow, Role, Side, Stage
+from swarm_agent.sweep.radio import BARRIER, NOBODY, SIDES, WALL, Flow, Role, Side, Stage
 from wire.channels import number_of
 from wire.messages import Configuration
 
@@ -63,10 +64,12 @@ class Robot:
         self.old: dict[int, Side] = {}
         self.refused: set[int] = set()
         self.second: dict[int, Side] = {}
-        """Those beyond its neighbours to whom a robust line is linked too, until all agree that it need not."""
+        """Those beyond its neighbours that a robust line links to, too, until all agree that it need not."""
         self.held: dict[Side, complex] = {}
         """The places of the walls of leaders beside it that it holds, too."""
         self.linked_tick = self.held_tick = self.tick
+        self.needed_tick: dict[Side, int] = dict.fromkeys(SIDES, self.tick)
+        """When the line last would not have held without its neighbour."""
         self.line, self.since = 0, -1
         self.pinned = self.halt = self.close = self.ready = self.closing = False
         self.meets, self.met_tick, self.other_met_tick = NOBODY, self.tick, NEVER
@@ -138,7 +141,15 @@ class Robot:
     def is_quiet(self) -> bool:
         """Is all it is told of its line from when nobody moved any more?"""
         news = [flow.since for flow in self.told.values() if flow]
-        return self.is_whole and not self.old and min([self.tick, *news]) > self.last_moved() + 2
+        return self.is_whole and not self.old and min([self.news_tick, *news]) > self.last_moved() + 1
+
+    @property
+    def news_tick(self) -> int:
+        """From when all is that it knows of those on its line whose sight adds to its own."""
+        near_m = 2 * self.eye.detect_m
+        near = [one for one in self.peers.known.values() if abs(one.here - self.here) < near_m]
+        ours = [one for one in near if one.beacon.line == self.line and one.beacon.role in BARRIER]
+        return min((one.tick for one in ours), default=self.tick)
 
     def any_told(self, what: str) -> bool:
         """Do the neighbours tell of somebody on the line who is, or wants, that?"""
@@ -155,8 +166,20 @@ class Robot:
         """The places of walls that it sees, and that some others see."""
         return np.concatenate((self.hits, *(peer.hits for peer in peers)))
 
-    def margin_m(self, left: complex, right: complex, walls: np.ndarray) -> float:
-        """How well a link holds; at least a step is as good as any more."""
+    def nearest_wall(self) -> complex | None:
+        """The nearest place of a wall that it sees, or else that others see."""
+        own = nearest(self.hits, self.here)
+        return own if own is not None else nearest(self.walls(*self.peers.known.values()), self.here)
+
+    def needed_m(self, peer: Peer) -> float:
+        """The margin that a link needs: so far another robot may have come by the end of this tick."""
+        return self.step_m * (self.tick - peer.tick)
+
+    def margin_m(
+        self, left: complex, right: complex, walls: np.ndarray, enough_m: float | None = None
+    ) -> float:
+        """How well a link holds; what is `enough_m`, or else a step, is as good as any more."""
+        enough_m = self.step_m if enough_m is None else enough_m
         way = right - left
         if abs(way) < 1e-9:
             return self.reach_m
@@ -168,7 +191,7 @@ class Robot:
                 break
             gap = min(clearance_m(walls, left, over), clearance_m(walls, over, right)) - SIGHT_M
             best = max(best, min(margin, gap))
-            if best >= self.step_m:
+            if best >= enough_m:
                 break
         return best
 
@@ -189,7 +212,7 @@ class Robot:
         """The margin of the link to a robot on one side, from here or from another place."""
         here = self.here if here is None else here
         ends = (peer.here, here) if side == "left" else (here, peer.here)
-        return self.margin_m(*ends, self.walls(peer))
+        return self.margin_m(*ends, self.walls(peer), max(self.step_m, self.needed_m(peer)))
 
     def toward(self, peer: Peer, side: Side) -> complex:
         """The way to a neighbour, or to where the link to it is bent."""
@@ -215,13 +238,12 @@ class Robot:
         there = self.here + way
         if holds:
             for peer, side in self.linked():
-                needed_m = self.step_m * (self.tick - peer.tick)
                 margin_m = self.link_m(peer, side, there)
-                if margin_m < needed_m and margin_m < self.link_m(peer, side) + 1e-6:
+                if margin_m < self.needed_m(peer) and margin_m < self.link_m(peer, side) + 1e-6:
                     return False
                 if abs(peer.here - there) < TURNED_M and self._turns_over(peer, there):
                     return False
-            if self._is_crossed(there) and not self._is_crossed(self.here):
+            if is_crossed(self, there) and not is_crossed(self, self.here):
                 return False
             if self.is_robust and not robust.may(self, there):
                 return False
@@ -246,22 +268,6 @@ class Robot:
             angle = abs(cmath.phase((other - after) / (wall - after)))
             angle_before = abs(cmath.phase((was - before) / (wall - before)))
             if angle < TURNED_RAD and angle < angle_before:
-                return True
-        return False
-
-    def _is_crossed(self, there: complex) -> bool:
-        """Would the second link of a line cross the way from its leader to its wall?"""
-        for side in SIDES:
-            end, other = self.neighbour(OTHER[side]), self.neighbour(side)
-            if other is None:
-                continue
-            if self.beside[OTHER[side]] == WALL:
-                beyond = self.peer(other.beacon.beside(side))
-                crossed = beyond and crosses(other.here, beyond.here, there, self.contact)
-            else:
-                is_end = end is not None and end.beacon.beside(OTHER[side]) == WALL
-                crossed = is_end and crosses(there, other.here, end.here, end.wall)
-            if crossed:
                 return True
         return False
 

@@ -1,7 +1,7 @@
 """Lines that hold without any one of their robots (`spacing = "robust"`); that costs more robots.
 
-Each robot is linked to its neighbours and to those beyond them, so when one falls silent the barrier is there
-already, before anybody has noticed. Who stands beside a leader is its shadow: it holds a place of the leader's
+Each robot is linked to its neighbours and to those beyond them, so when one falls silent the barrier is
+there already, before anybody has noticed. Who stands beside a leader is its shadow: it holds a place of the leader's
 wall, too. All this binds every step, with the age of what is known of others.
 """
 
@@ -60,6 +60,7 @@ def watch(robot: Robot) -> None:
 
 
 def counts(peer: Peer) -> bool:
+    """Is it on a line, or coming in?"""
     return peer.beacon.role in BARRIER or peer.beacon.role == "joining"
 
 
@@ -175,7 +176,7 @@ def leaders_walls(robot: Robot) -> np.ndarray:
 
 
 def are_ahead(robot: Robot, places: np.ndarray) -> np.ndarray:
-    """Which places ahead are ahead of the neighbours nearer to them, too? Else the line is only folded there."""
+    """Which places ahead are ahead of neighbours nearer to them, too? Else the line is only folded there."""
     ahead = np.ones(len(places), dtype=bool)
     for side in SIDES:
         beside, after = robot.neighbour(side), beyond(robot, side)

@@ -96,7 +96,7 @@ def slot(robot: Robot, length_m: float, along_m: float) -> float:
 
 
 def aside(robot: Robot, length_m: float, way: complex) -> complex:
-    """How far behind the way between its neighbours the right shadow stands where that is too short for it."""
+    """How far behind the way between its neighbours the right shadow stands where that is too short."""
     if robust.shadowed(robot, "right") is None or length_m >= 2 * APART_M:
         return 0j
     return -1j * unit(way) * math.sqrt((APART_M + 0.02) ** 2 - length_m**2 / 4)
@@ -133,7 +133,7 @@ def may_join(robot: Robot, left: Peer, right: Peer) -> bool:
 
 
 def may_cut(robot: Robot, side: Side) -> bool:
-    """May a pivot cut the line on a side: have both new ends a shadow that sees their wall, and enough robots?"""
+    """May a pivot cut the line there: has each new end a shadow that sees its wall, and enough robots?"""
     ready, other, after = robot.neighbour(side), robot.neighbour(OTHER[side]), robust.beyond(robot, side)
     counts = [flow.count for flow in robot.told.values() if flow]
     if ready is None or other is None or after is None:
