@@ -1,8 +1,8 @@
 """Lines that hold without any one of their robots (`spacing = "robust"`); that costs more robots.
 
 Each robot is linked to its neighbours and to those beyond them, so when one falls silent the barrier is
-there already, before anybody has noticed. Who stands beside a leader is its shadow: it holds a place of the leader's
-wall, too. All this binds every step, with the age of what is known of others.
+there already, before anybody has noticed. Who stands beside a leader is its shadow: it holds a place of the
+leader's wall, too. All this binds every step, with the age of what is known of others.
 """
 
 from __future__ import annotations
