@@ -15,6 +15,8 @@ from world_server.floorplan import PlanError
 from world_server.plan_checks import check_plan, narrowest_island_m
 
 OBSTACLE_M = 0.25
+SECOND_M = 0.06
+"""Two hops of a robust line must be a link, with room for a step and for rounding."""
 WIDEST_M, MOST_WALLS_M = 300.0, 5000.0
 OTHER_TOWERS = ("base_station", "line_keeper")
 
@@ -82,6 +84,10 @@ def _check_ranges(scenario: Scenario, detect_m: float) -> None:
     follow_m = _parameter(scenario, "follow_m", 0.0)
     if follow_m > 2 * detect_m:
         raise Mistake(f"robots.parameters.follow_m must be <= {least}, got {follow_m:g}")
+    most_m = detect_m - SECOND_M
+    if scenario.robots.parameters.get("spacing") == "robust" and follow_m > most_m + 1e-9:
+        right = f'<= sensors.detect_m - {SECOND_M:g} ({most_m:g}) where spacing is "robust"'
+        raise Mistake(f"robots.parameters.follow_m must be {right}, got {follow_m:g}")
 
 
 def _check_start(scenario: Scenario, plan: shapely.Polygon) -> None:

@@ -30,12 +30,16 @@ from wire.messages import Configuration, Percept, Shift
 Metres = Annotated[float, msgspec.Meta(gt=0)]
 Ticks = Annotated[int, msgspec.Meta(ge=1, le=100_000)]
 STILL_M = 1e-6
+FOLLOW_M = {"plain": 1.0, "robust": 0.55}
 RARELY = 1e-6  # false deaths by loss alone, for each link and hour
 DELAYED_TICKS = 5  # for so long a frame may be late for any other reason
 
 
 class Parameters(BaseParameters, frozen=True):
     """Robots on a line stand at most `follow_m` apart; leaders stay `obstacle_m` from walls.
+
+    `spacing`: "robust" for a line that holds without any one of its robots, "plain" (as None is) for one that
+    need not. `follow_m` is 1 m in a plain line, and 0.55 m in a robust one, unless it is given.
 
     A robot leaves a line whose neighbours are `slack_m` nearer than they may be. `choose`: which part of a
     split line moves on, the one with more or with fewer robots. `team`: how many robots there are; None: all
@@ -45,7 +49,8 @@ class Parameters(BaseParameters, frozen=True):
     again elsewhere before the team says that it failed.
     """
 
-    follow_m: Metres = 1.0
+    spacing: Literal["plain", "robust"] | None = None
+    follow_m: Metres | None = None
     obstacle_m: Metres = 0.25
     slack_m: Metres = 0.1
     choose: Literal["more", "fewer"] = "more"
@@ -56,8 +61,14 @@ class Parameters(BaseParameters, frozen=True):
     beginnings: Annotated[int, msgspec.Meta(ge=0)] = 4
 
     def settled(self, team_size: int) -> Self:
-        """The team is everybody but the tower, unless it is given."""
-        return msgspec.structs.replace(self, team=self.team or max(1, team_size - 1))
+        """The team is everybody but the tower, unless it is given; a plain line is said by leaving it out."""
+        spacing = None if self.spacing == "plain" else self.spacing
+        return msgspec.structs.replace(
+            self,
+            spacing=spacing,
+            follow_m=self.follow_m or FOLLOW_M[spacing or "plain"],
+            team=self.team or max(1, team_size - 1),
+        )
 
     def in_air(self, air: Air) -> Self:
         """Nobody is taken for dead whose frames are only late, or lost as often as one must reckon with."""

@@ -6,6 +6,8 @@ Nothing is decided before the whole line has stood still for so long that all ne
 import networkx
 
 from swarm_agent.graph_clear import next_vertex
+from swarm_agent.sweep import robust_line
+from swarm_agent.sweep.gait import touch
 from swarm_agent.sweep.outlook import Outlook, is_closed_to, sides_open
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import GO_HOME, NOBODY, OTHER, SIDES, WALL, Side
@@ -81,6 +83,8 @@ def _meet(robot: Robot, outlook: Outlook, met: int) -> bool:
             continue
         if robot.link_m(peer, side) < robot.step_m or not is_closed_to(robot, outlook, peer, side):
             continue
+        if robot.is_robust and not robust_line.may_meet(robot, peer, side):
+            continue
         if robot.is_main and not met and robot.tick <= robot.other_met_tick + 2 * _heard_ticks(robot):
             continue
         robot.meets, robot.old[peer.number] = peer.number, side
@@ -138,15 +142,20 @@ def _in_the_middle(robot: Robot, outlook: Outlook) -> None:
             robot.pinned = robot.halt = False
             if robot.sees(peer.wall):
                 robot.ready, robot.contact = True, peer.wall
+                if robot.is_robust:
+                    touch(robot)
     if robot.ready or _beside_pivot(robot):
         return
     obstacle = robot.obstacle is not None or (robot.pinned and robot.sees(robot.contact))
     if not obstacle or robot.order == GO_HOME:
         robot.pinned = robot.halt = False
         return
-    if not robot.pinned:
+    was_pinned = robot.pinned
+    if not was_pinned:
         robot.contact, robot.halt = robot.obstacle, True
-    elif robot.is_main and _split(robot):
+    if robot.is_robust:
+        touch(robot)  # its shadow is to see the place that it will hold as a leader
+    if was_pinned and robot.is_main and _split(robot):
         return
     if robot.is_quiet:
         _judge(robot, outlook)
@@ -160,6 +169,8 @@ def _was_cut(robot: Robot, peer: Peer, side: Side) -> bool:
 def _waits_for(robot: Robot, peer: Peer, side: Side) -> bool:
     """Is that neighbour a pivot, and we the one to stand beside it? Of two pivots the right one gives way."""
     held = peer.beacon.beside(OTHER[side]) == robot.number
+    if robot.is_robust and side == "right":
+        return False  # the left neighbour of a pivot will be its shadow
     return held and peer.beacon.pinned and (side == "left" or not robot.pinned)
 
 
@@ -174,10 +185,14 @@ def _judge(robot: Robot, outlook: Outlook) -> None:
     open_left = open_left or robot.told["left"].open
     open_right = open_right or robot.told["right"].open
     if open_left and open_right:
-        robot.pinned, robot.halt = True, False
+        robot.pinned, robot.halt, robot.closing = True, False, False
     elif open_left or open_right:
+        side: Side = "left" if open_right else "right"
+        if robot.is_robust and not robust_line.may_end(robot, side):
+            robot.pinned, robot.halt, robot.closing = True, False, True
+            return
         robot.events.append("closed")
-        _become_end(robot, "left" if open_right else "right", robot.contact)
+        _become_end(robot, side, robot.contact)
         robot.stage = "closed"
 
 
@@ -186,12 +201,14 @@ def _split(robot: Robot) -> bool:
 
     Of several pivots of a line the leftmost comes first: only one robot writes into the graph at a time.
     """
-    if robot.told["left"] is None or robot.told["left"].pivot:
+    if robot.told["left"] is None or robot.told["left"].pivot or robot.closing:
         return False
     for side in ("right", "left"):
         peer = robot.neighbour(side)
         held = peer is not None and peer.beacon.ready and peer.beacon.beside(OTHER[side]) == robot.number
         if not held or robot.old or not robot.is_whole:
+            continue
+        if robot.is_robust and not robust_line.may_cut(robot, side):
             continue
         left = robot.told["left"].count + (side == "right")
         right = robot.told["right"].count + (side == "left")
@@ -209,4 +226,4 @@ def _become_end(robot: Robot, side: Side, wall: complex) -> None:
     """The link on that side is given up for a wall."""
     robot.role, robot.stage, robot.since_role = "leader", "", robot.tick
     robot.beside[side], robot.contact = WALL, wall
-    robot.pinned = robot.halt = robot.close = robot.ready = False
+    robot.pinned = robot.halt = robot.close = robot.ready = robot.closing = False

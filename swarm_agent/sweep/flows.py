@@ -1,5 +1,6 @@
 """What a line knows of itself, told from neighbour to neighbour, one hop a tick, from both of its ends."""
 
+from swarm_agent.sweep import robust_line
 from swarm_agent.sweep.radio import MOST, NOBODY, OTHER, SIDES, WALL, Flow, Side
 from swarm_agent.sweep.robot import Robot
 
@@ -64,7 +65,11 @@ def wants(robot: Robot) -> bool:
     """Is there a gap beside the right leader that needs one more robot, or a pivot that needs a second?"""
     if robot.pinned:
         beside = [robot.neighbour(side) for side in SIDES]
+        if robot.is_robust:
+            return robust_line.wants_at(robot)
         return robot.is_main and not any(one and one.beacon.ready for one in beside)
+    if robot.is_robust:
+        return robust_line.wants(robot)
     right = robot.neighbour("right")
     if right is None or robot.old or robot.role == "leaving" or right.beacon.role != "leader":
         return False

@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from swarm_agent.sweep import robust, robust_line
 from swarm_agent.sweep.geometry import nearest, roll, shortened, turn_rad, unit
 from swarm_agent.sweep.links import is_spare
 from swarm_agent.sweep.outlook import JOINED_M, Outlook
@@ -26,6 +27,7 @@ ASIDE_DEG = (0, 20, 40, 60, 80, 100)
 APART_M, TOGETHER_M = 0.34, 0.25
 REST_M, NEARER_M, TRY_TICKS = 0.025, 0.08, 12
 RESTED_M = 0.08
+REST_TICKS = 10
 TAUT_TICKS = 12
 ANSWER_TICKS = 40
 
@@ -116,7 +118,9 @@ def along_wall(robot: Robot, hand: Side) -> complex:
 
 def _stays_at_wall(robot: Robot, way: complex) -> bool:
     """Is it still beside its wall after that way, or at least no farther from it?"""
-    return abs(robot.here + way - robot.contact) <= max(HOLD_M, abs(robot.here - robot.contact))
+    there = robot.here + way
+    wall = robust.next_contact(robot, there) if robot.is_robust else robot.contact
+    return abs(there - wall) <= max(HOLD_M, abs(robot.here - robot.contact))
 
 
 def _keep_m(robot: Robot) -> float:
@@ -142,21 +146,32 @@ class Slot:
     def __init__(self) -> None:
         self._trail: list[complex] = []
         self._rested: tuple[complex, complex] | None = None
+        self._rest_tick, self._rest_ticks = 0, REST_TICKS
 
     def way(self, robot: Robot, aim: complex, neighbours: tuple[complex, complex]) -> complex:
         """The way to go; nothing when it is there, or rests."""
         if self._rested is not None:
             moved = max(abs(now - then) for now, then in zip(neighbours, self._rested, strict=True))
-            if moved < RESTED_M:
+            if moved < RESTED_M and not self._tries_again(robot, aim):
                 return 0j
             self._rested, self._trail = None, []
         if abs(aim - robot.here) < REST_M:
             return 0j
         self._trail = [*self._trail[-TRY_TICKS:], robot.here]
         if len(self._trail) > TRY_TICKS and abs(self._trail[0] - robot.here) < NEARER_M:
-            self._rested = neighbours
+            self._rested, self._rest_tick = neighbours, robot.tick
             return 0j
         return robot.best(aim - robot.here)
+
+    def _tries_again(self, robot: Robot, aim: complex) -> bool:
+        """On a robust line one who is far from its slot waits for others beyond its neighbours, too."""
+        if not robot.is_robust or abs(aim - robot.here) < NEARER_M:
+            self._rest_ticks = REST_TICKS
+            return False
+        if robot.tick - self._rest_tick < self._rest_ticks:
+            return False
+        self._rest_ticks *= 2
+        return True
 
 
 def keep(robot: Robot, slot: Slot) -> complex:
@@ -175,10 +190,14 @@ def keep(robot: Robot, slot: Slot) -> complex:
     ):
         robot.role, robot.since_role = "leaving", robot.tick
     for pivot in (left, right):
-        if pivot.beacon.pinned and abs(pivot.wall - robot.here) > APART_M:
+        if pivot.beacon.pinned and abs(pivot.wall - robot.here) > APART_M and not robot.is_robust:
             way = robot.best(pivot.wall - robot.here)
             if way:
                 return way
+    if robot.is_robust:
+        wall = robust_line.wall_to_see(robot)
+        if wall is not None:
+            return slot.way(robot, wall, (left.here, right.here))
     return slot.way(robot, _slot(robot, left, right), (left.here, right.here))
 
 
@@ -191,15 +210,19 @@ def _slot(robot: Robot, left: Peer, right: Peer) -> complex:
     length_m = abs(last - first)
     if length_m < 1e-9:
         return robot.here
-    near = left.beacon.pinned or left.beacon.close
+    near = left.beacon.pinned or left.beacon.close or (robot.is_robust and left.beacon.ready)
     along_m = (TOGETHER_M if near else robot.parameters.follow_m) - abs(first - left.here)
-    most_m = length_m - (APART_M if over_right is None else 0.0)
+    apart_m = robust_line.APART_M if robot.is_robust else APART_M
+    most_m = length_m - (apart_m if over_right is None else 0.0)
     if right.beacon.close and right.beacon.role == "leader":
         along_m = max(along_m, min(most_m - 0.05, robot.parameters.follow_m + 0.1))
     along_m = min(max(along_m, 0.0), max(most_m, 0.0))
     if over_left is None:
         along_m = max(along_m, min(TOGETHER_M, length_m / 2))
-    return first + (last - first) * (along_m / length_m)
+    if robot.is_robust:
+        along_m = robust_line.slot(robot, length_m, along_m)
+    back = robust_line.aside(robot, length_m, last - first) if robot.is_robust else 0j
+    return first + (last - first) * (along_m / length_m) + back
 
 
 def _push(robot: Robot, left: Peer, right: Peer) -> complex:

@@ -5,6 +5,7 @@ up a link until the other end has shown that it holds the new one. Until then bo
 that is said is a state, said again in every tick, so that lost frames cost time and nothing else.
 """
 
+from swarm_agent.sweep import robust, robust_line
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import NEVER, Robot
@@ -24,6 +25,8 @@ def tend(robot: Robot) -> str:
     beside = robot.beside.values()
     for number in [number for number in robot.old if number in beside or _is_over(robot, number)]:
         del robot.old[number]
+    if robot.is_robust:
+        robust.watch(robot)
     if robot.role == "joining":
         _come_in(robot)
         return ""
@@ -64,6 +67,12 @@ def is_spare(robot: Robot) -> bool:
     needed = any(
         one.beacon.pinned or one.beacon.close or one.beacon.role == "leaving" for one in (left, right)
     )
+    if robot.is_robust:
+        return (
+            not needed
+            and not robot.any_told("want")
+            and robust_line.can_do_without(robot, robot.parameters.slack_m)
+        )
     near = abs(left.here - right.here) <= robot.parameters.follow_m - robot.parameters.slack_m
     return (
         not needed
@@ -168,7 +177,7 @@ def _follow(robot: Robot, peer: Peer, side: Side) -> None:
         if near and agreed and robot.link_m(beyond, side) >= robot.needed_m(beyond):
             _relink(robot, side, onward)
         return
-    if robot.role == "leaving" or robot.ready:
+    if robot.role == "leaving" or (robot.ready and not (robot.is_robust and side == "right")):
         return
     for one in robot.peers.known.values() if beacon.role in BARRIER else ():  # one comes in after the other
         asks = one.beacon.role == "joining" and one.beacon.beside(side) == peer.number
@@ -250,6 +259,8 @@ def _lose(robot: Robot, side: Side) -> str:
     robot.dead.add(number)
     robot.old.pop(number, None)
     lost = robot.peers.lost.get(number)
+    if robot.is_robust and robust_line.close_ranks(robot, side, lost):
+        return ""
     if lost is not None and robot.number not in (lost.beacon.left, lost.beacon.right):
         robot.become("reserve")  # it did not hold us when it was last heard: it is out of reach, and not dead
         robot.dead.discard(number)

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from swarm_agent.sweep import robust
 from swarm_agent.sweep.geometry import shortened, turn_rad, unit
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, SIDES, WALL, Side
@@ -47,6 +48,8 @@ def look(robot: Robot) -> Outlook:
     walls = np.isfinite(ranges_m)
     ends = robot.here + np.where(walls, ranges_m, eye.detect_m) * eye.units[ahead]
     own = _own_wall(robot, ends, walls, eye.units[ahead], ways)
+    if robot.is_robust:
+        own |= robust.leaders_walls(robot)[ahead]
     return Outlook(ends, walls, own, _frontier(robot, ends, walls, {robot.line}), ways)
 
 
@@ -76,6 +79,10 @@ def obstacle(robot: Robot, outlook: Outlook) -> complex | None:
     if not len(found):
         return None
     places = outlook.ends[found]
+    if robot.is_robust:
+        places = places[robust.are_ahead(robot, places)]
+        if not len(places):
+            return None
     gaps = np.abs(places - robot.here)
     for side in SIDES:
         peer = robot.neighbour(side)

@@ -74,6 +74,11 @@ class Peer:
         """The place of the wall that it holds."""
         return self.here + self.turn * self.beacon.wall
 
+    @property
+    def contact(self) -> complex:
+        """The same, exactly: seen from where it was before its last step."""
+        return self._stood + self.turn * self.beacon.wall
+
     def sees(self, places: np.ndarray) -> np.ndarray:
         """Which of some places it saw, with nothing in between and a margin to spare."""
         ranges_m, rays = self.ranges_m, self._eye.rays

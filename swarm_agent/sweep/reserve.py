@@ -6,11 +6,13 @@ all on the same hand; so it meets every line there is on that ring of walls.
 
 import numpy as np
 
+from swarm_agent.sweep.filling import fill
 from swarm_agent.sweep.gait import toward
-from swarm_agent.sweep.geometry import NOTHING, clearance_m, crosses, nearest, roll, unit
+from swarm_agent.sweep.geometry import NOTHING, clearance_m, nearest, roll, unit
+from swarm_agent.sweep.knots import is_knotted
 from swarm_agent.sweep.links import BARELY_M, ask_in
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, WALL, Side
+from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, Side
 from swarm_agent.sweep.robot import UNRANKED, Robot
 
 ROOM_M = {"leader": 0.4, "reserve": 0.26, "free": 0.26}
@@ -47,7 +49,7 @@ class Reserve:
 
     def way(self, robot: Robot) -> complex:
         """Where to go now. It may ask to come into the line instead."""
-        room = _make_room(robot)
+        room = _make_room(robot, robot.is_robust and self._asked[0])
         if room:
             return room
         if robot.number in robot.couriers and not _is_homing(robot):
@@ -115,6 +117,8 @@ class Reserve:
         wait = (WAIT_TICKS + (2 * count if _is_second(robot) else 0)) * robot.parameters.hop_ticks
         if not wanted or len(flows) < 2 or robot.tick - self._asked_tick <= wait:
             return None
+        if robot.is_robust:
+            return fill(robot, beside, robot.tick - self._asked_tick > wait + BARRED_TICKS)
         middles = []
         for side in ("right", "left"):
             other = robot.peer(beacon.beside(side))
@@ -125,7 +129,7 @@ class Reserve:
                 abs(left.here - robot.here) + abs(right.here - robot.here) - abs(left.here - right.here)
             )
             holds = min(robot.link_m(left, "left"), robot.link_m(right, "right")) >= BARELY_M
-            holds = holds and not _is_knotted(robot, left, right)
+            holds = holds and not is_knotted(robot, left, right)
             barred = robot.tick - self._asked_tick > wait + BARRED_TICKS * robot.parameters.hop_ticks
             if holds and (detour_m <= DETOUR_M or barred):
                 ask_in(robot, left, right)
@@ -177,12 +181,12 @@ def travel(robot: Robot, hand: Side) -> complex:
     return toward(robot, robot.here + way)
 
 
-def _make_room(robot: Robot) -> complex:
+def _make_room(robot: Robot, near: bool) -> complex:
     """Away from who is too near; lines have the right of way."""
     push = 0j
     for peer in robot.peers.known.values():
         away, room_m = robot.here - peer.here, ROOM_M.get(peer.beacon.role, ROOM_ELSE_M)
-        if robot.ahead == NOBODY:
+        if robot.ahead == NOBODY or near:
             room_m = min(room_m, TRAVEL_ROOM_M)
         if abs(away) < room_m:
             push += unit(away) * (room_m + 0.02 - abs(away))
@@ -233,15 +237,6 @@ def _is_in_sight(robot: Robot, peer: Peer) -> bool:
 def is_clear(robot: Robot, peer: Peer) -> bool:
     """Is there room for a body on the straight way to another robot?"""
     return clearance_m(robot.walls(peer), robot.here, peer.here) >= BODY_WIDTH_M
-
-
-def _is_knotted(robot: Robot, left: Peer, right: Peer) -> bool:
-    """Would a link across the way from a leader to its wall come about? Beyond that way, front is back."""
-    ends = ((left, "left", right), (right, "right", left))
-    return any(
-        end.beacon.beside(side) == WALL and crosses(robot.here, other.here, end.here, end.wall)
-        for end, side, other in ends
-    )
 
 
 def _is_second(robot: Robot) -> bool:

@@ -13,9 +13,11 @@ from typing import Any
 import numpy as np
 
 from swarm_agent.surveillance_graph import SurveillanceGraph
-from swarm_agent.sweep.geometry import clearance_m, crosses, nearest, shortened
+from swarm_agent.sweep import robust
+from swarm_agent.sweep.geometry import clearance_m, nearest, shortened
+from swarm_agent.sweep.knots import is_crossed
 from swarm_agent.sweep.peers import Eye, Peer, Peers
-from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, SIDES, WALL, Flow, Role, Side, Stage
+from swarm_agent.sweep.radio import BARRIER, NOBODY, SIDES, WALL, Flow, Role, Side, Stage
 from wire.channels import number_of
 from wire.messages import Configuration
 
@@ -37,6 +39,7 @@ class Robot:
         self.eye = Eye(field.rays, field.detect_m)
         self.peers = Peers(self.number, self.eye, parameters.dead_ticks)
         self.graph = SurveillanceGraph(configuration.node)
+        self.is_robust = parameters.spacing == "robust"
         self.step_m = configuration.max_speed_m_s * configuration.tick_s
         self.body_m = configuration.body_m
         self.reach_m = field.detect_m - self.step_m / 2 - WORN_M
@@ -60,11 +63,15 @@ class Robot:
         self.beside: dict[Side, int] = dict.fromkeys(SIDES, NOBODY)
         self.old: dict[int, Side] = {}
         self.refused: set[int] = set()
+        self.second: dict[int, Side] = {}
+        """Those beyond its neighbours that a robust line links to, too, until all agree that it need not."""
+        self.held: dict[Side, complex] = {}
+        """The places of the walls of leaders beside it that it holds, too."""
         self.linked_tick = self.held_tick = self.tick
         self.needed_tick: dict[Side, int] = dict.fromkeys(SIDES, self.tick)
         """When the line last would not have held without its neighbour."""
         self.line, self.since = 0, -1
-        self.pinned = self.halt = self.close = self.ready = False
+        self.pinned = self.halt = self.close = self.ready = self.closing = False
         self.meets, self.met_tick, self.other_met_tick = NOBODY, self.tick, NEVER
         self.obstacle: complex | None = None
         self.open = True
@@ -236,7 +243,9 @@ class Robot:
                     return False
                 if abs(peer.here - there) < TURNED_M and self._turns_over(peer, there):
                     return False
-            if self._is_crossed(there) and not self._is_crossed(self.here):
+            if is_crossed(self, there) and not is_crossed(self, self.here):
+                return False
+            if self.is_robust and not robust.may(self, there):
                 return False
         if len(self.hits):
             wall_there_m = float(np.abs(self.hits - there).min())
@@ -259,22 +268,6 @@ class Robot:
             angle = abs(cmath.phase((other - after) / (wall - after)))
             angle_before = abs(cmath.phase((was - before) / (wall - before)))
             if angle < TURNED_RAD and angle < angle_before:
-                return True
-        return False
-
-    def _is_crossed(self, there: complex) -> bool:
-        """Would the second link of a line cross the way from its leader to its wall?"""
-        for side in SIDES:
-            end, other = self.neighbour(OTHER[side]), self.neighbour(side)
-            if other is None:
-                continue
-            if self.beside[OTHER[side]] == WALL:
-                beyond = self.peer(other.beacon.beside(side))
-                crossed = beyond and crosses(other.here, beyond.here, there, self.contact)
-            else:
-                is_end = end is not None and end.beacon.beside(OTHER[side]) == WALL
-                crossed = is_end and crosses(there, other.here, end.here, end.wall)
-            if crossed:
                 return True
         return False
 
