@@ -15,6 +15,8 @@ import msgspec
 
 from swarm_agent.graph_copy import NO_LINE, Edge, GraphCopy, Kind, Moving, Vertex
 
+EVENTS_OF_AN_EPOCH = 1_000_000
+
 
 class SurveillanceGraph(GraphCopy):
     """One robot's copy. A robot of the main line tells it what happens; others take what that one says."""
@@ -125,6 +127,12 @@ class SurveillanceGraph(GraphCopy):
             self._event()
             self._put_edge(msgspec.structs.replace(edge, line=NO_LINE))
         self._flood()
+
+    def renew(self, epoch: int) -> None:
+        """The team begins again, for the `epoch`-th time: what others still write of before is older now."""
+        events = max(self.version.events, epoch * EVENTS_OF_AN_EPOCH)
+        self.version = msgspec.structs.replace(self.version, events=events)
+        self._event()
 
     def retreat(self, cleared: Collection[int]) -> tuple[int, ...]:
         """The lines went back, or were abandoned, until only `cleared` is clear. Returns their numbers."""

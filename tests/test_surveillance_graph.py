@@ -265,3 +265,14 @@ def test_after_any_loss_contamination_stops_only_at_lines():
             ends = {graph.vertex(edge.low).clear, graph.vertex(edge.high).clear}
             assert (len(ends) == 2) == bool(edge.line or (len(ends) == 2 and swept in (edge.low, edge.high)))
     assert lost > 50
+
+
+def test_what_is_written_of_before_a_new_beginning_is_older_however_much_it_is():
+    """A line that has not heard of it goes on, dissolves, and writes so: nobody who has heard takes that."""
+    far, graph = begun(2, 3), begun(2, 3)
+    graph.renew(1)
+    for robots in (4, 5, 6, 7):
+        far.measure(robots)
+    assert graph.version > far.version
+    assert not graph.take(far.delta_since(NOTHING))
+    assert far.take(graph.delta_since(NOTHING)) and far.version == graph.version

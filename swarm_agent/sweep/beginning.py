@@ -79,6 +79,7 @@ class Beginning:
         robot.contact = robot.nearest_wall() or robot.here
         robot.epoch, robot.anchor, robot.couriers = robot.epoch + 1, robot.number, couriers
         robot.claim = ""
+        graph.renew(robot.epoch)
         robot.events.append("restart")
         self.beginnings += 1
         if home and robot.epoch == 1:
