@@ -138,7 +138,7 @@ def _go_back(robot: Robot, side: Side, other_rad: float) -> complex:
 
 
 class Strides:
-    """Whether a leader comes along. Who only steps to and fro rests until its neighbour or its orders change."""
+    """Does a leader come along? If it steps to and fro, it rests until its neighbour or its orders change."""
 
     def __init__(self) -> None:
         self._trail: list[complex] = []
