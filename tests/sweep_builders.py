@@ -73,7 +73,7 @@ def a_robot(number: int = 2, team: int = 8, **parameters: Any) -> Robot:
     told = configuration(
         f"r{number}", field=Unseen(DETECT_M, RAYS, 2.0), tick_s=0.25, max_speed_m_s=0.2, body_m=0.2
     )
-    settled = Parameters(**({"team": team} | parameters)).in_air(Air())
+    settled = Parameters(**({"team": team} | parameters)).settled(team + 1).in_air(Air())
     return Robot(told, settled)
 
 

@@ -131,6 +131,8 @@ class Beginning:
         here = 1 + sum(
             peer.beacon.tail for peer in robot.peers.known.values() if peer.beacon.ahead == robot.number
         )
+        known = robot.peers.known.values()
+        here = max(here, 1 + sum(peer.beacon.epoch == robot.epoch for peer in known))
         if here > self._most_here:
             self._most_here, self._arrival_tick = here, robot.tick
         waited = robot.tick - self._arrival_tick

@@ -138,7 +138,10 @@ def _go_back(robot: Robot, side: Side, other_rad: float) -> complex:
 
 
 class Strides:
-    """Does a leader come along? If it steps to and fro, it rests until its neighbour or its orders change."""
+    """Does a leader of the main line come along? If it only steps to and fro, it rests: the captain sees it.
+
+    It goes on when its neighbour has moved, or its orders are others.
+    """
 
     def __init__(self) -> None:
         self._trail: list[complex] = []
@@ -147,7 +150,9 @@ class Strides:
     def way(self, robot: Robot, way: complex) -> complex:
         """The way to go; nothing while it rests."""
         neighbour = robot.neighbour(OTHER[robot.wall_side()])
-        if neighbour is None or not way:
+        if not robot.is_main:
+            self._rested, self._trail = None, []
+        if neighbour is None or not way or not robot.is_main:
             return way
         if self._rested is not None:
             there, order = self._rested
