@@ -95,7 +95,6 @@ class SweepLine(Behaviour):
         self.robot = Robot(configuration, parameters)
         self.beginning, self.captain = Beginning(), Captain()
         self.reserve, self.slot = Reserve(), gait.Slot()
-        self.strides = gait.Strides()
         self._outlook: Outlook | None = None
         self._drawn = NOTHING
         """The newest version of the graph that observers know from this robot."""
@@ -173,7 +172,7 @@ class SweepLine(Behaviour):
             return self.reserve.way(robot) if asked is None else asked
         if robot.role == "leader" and robot.stage != "forming" and self._outlook is not None:
             outlook = look(robot) if robot.since_role == robot.tick else self._outlook
-            return self.strides.way(robot, gait.lead(robot, outlook))
+            return gait.lead(robot, outlook)
         if robot.role in ("centre", "leaving"):
             return gait.keep(robot, self.slot)
         return 0j

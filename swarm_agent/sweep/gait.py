@@ -27,7 +27,6 @@ ASIDE_DEG = (0, 20, 40, 60, 80, 100)
 APART_M, TOGETHER_M = 0.34, 0.25
 REST_M, NEARER_M, TRY_TICKS = 0.025, 0.08, 12
 RESTED_M = 0.08
-STRIDES = 40
 REST_TICKS = 10
 TAUT_TICKS = 12
 ANSWER_TICKS = 40
@@ -135,35 +134,6 @@ def _go_back(robot: Robot, side: Side, other_rad: float) -> complex:
     if robot.angle_rad <= math.pi / 2 or robot.angle_rad < other_rad - 0.3:
         return 0j
     return _go(robot, along_wall(robot, OTHER[side]), OTHER[side])
-
-
-class Strides:
-    """Does a leader of the main line come along? If it only steps to and fro, it rests: the captain sees it.
-
-    It goes on when its neighbour has moved, or its orders are others.
-    """
-
-    def __init__(self) -> None:
-        self._trail: list[complex] = []
-        self._rested: tuple[complex, int] | None = None
-
-    def way(self, robot: Robot, way: complex) -> complex:
-        """The way to go; nothing while it rests."""
-        neighbour = robot.neighbour(OTHER[robot.wall_side()])
-        if not robot.is_main:
-            self._rested, self._trail = None, []
-        if neighbour is None or not way or not robot.is_main:
-            return way
-        if self._rested is not None:
-            there, order = self._rested
-            if order == robot.order and abs(neighbour.here - there) < RESTED_M:
-                return 0j
-            self._rested, self._trail = None, []
-        self._trail = [*self._trail[-STRIDES:], robot.here]
-        if len(self._trail) > STRIDES and abs(self._trail[0] - robot.here) < NEARER_M:
-            self._rested = (neighbour.here, robot.order)
-            return 0j
-        return way
 
 
 class Slot:
