@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from swarm_agent.sweep.geometry import nearest, turn_rad, unit
+from swarm_agent.sweep.moves import best
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import MOST, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.reserve import Reserve, is_clear, travel
@@ -193,11 +194,11 @@ def _to_wall(robot: Robot) -> complex | None:
     """A step to the nearest wall; None beside it."""
     wall = robot.nearest_wall()
     if wall is None:
-        return robot.best(robot.step_m + 0j, holds=False)
+        return best(robot, robot.step_m + 0j, holds=False)
     robot.contact = wall
     if len(robot.hits) and abs(wall - robot.here) <= robot.parameters.obstacle_m + BESIDE_WALL_M:
         return None
-    return robot.best(wall - robot.here, holds=False, wall_m=0.1)
+    return best(robot, wall - robot.here, holds=False, wall_m=0.1)
 
 
 def _stand_beside(robot: Robot, first: Peer) -> complex:
@@ -212,7 +213,7 @@ def _stand_beside(robot: Robot, first: Peer) -> complex:
         robot.contact, robot.moved, robot.since = wall, robot.tick, first.beacon.since
         robot.graph.begin(2)
         return 0j
-    return robot.best(first.here + right * BESIDE_M - robot.here, holds=False)
+    return best(robot, first.here + right * BESIDE_M - robot.here, holds=False)
 
 
 def _nearest_to_spot(robot: Robot, peers: list[Peer]) -> Peer:

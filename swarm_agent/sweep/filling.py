@@ -1,10 +1,10 @@
 """How a robust line is filled: who is to come in goes to where the line wants one more robot."""
 
 from swarm_agent.sweep import robust_line
-from swarm_agent.sweep.gait import toward
 from swarm_agent.sweep.geometry import clearance_m
 from swarm_agent.sweep.knots import is_knotted
 from swarm_agent.sweep.links import BARELY_M, ask_in
+from swarm_agent.sweep.moves import toward
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot

@@ -10,9 +10,10 @@ import math
 import numpy as np
 
 from swarm_agent.sweep import robust, robust_line
-from swarm_agent.sweep.geometry import nearest, roll, shortened, turn_rad, unit
+from swarm_agent.sweep.geometry import nearest, one_wall, ray_ends, roll, turn_rad, unit
 from swarm_agent.sweep.links import is_spare
-from swarm_agent.sweep.outlook import JOINED_M, Outlook
+from swarm_agent.sweep.moves import best, may
+from swarm_agent.sweep.outlook import Outlook
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import GO_BACK, GO_HOME, GO_ON, OTHER, SIDES, Side
 from swarm_agent.sweep.robot import Robot
@@ -64,7 +65,7 @@ def _go(robot: Robot, way: complex, hand: Side) -> complex:
     for aside_deg in ASIDE_DEG:
         some = way * cmath.exp(1j * inward * math.radians(aside_deg))
         for size in (1.0, 0.5, 0.2):
-            if _stays_at_wall(robot, some * size) and robot.may(some * size, wall_m=0.1):
+            if _stays_at_wall(robot, some * size) and may(robot, some * size, wall_m=0.1):
                 return some * size
     return 0j
 
@@ -84,23 +85,13 @@ def touch(robot: Robot) -> None:
     ends, near = _around(robot)
     if near is None:
         return
-    wall = [near]
-    for step in (1, -1):
-        ray = near
-        for _ in range(len(ends)):
-            following = (ray + step) % len(ends)
-            if not abs(ends[following] - ends[ray]) <= JOINED_M:
-                break
-            wall.append(following)
-            ray = following
-    robot.contact = nearest(ends[wall], robot.here)
+    robot.contact = nearest(ends[one_wall(ends, near)], robot.here)
 
 
 def _around(robot: Robot) -> tuple[np.ndarray, int | None]:
     """Where all rays end, NaN where at no wall, and which of them ends at what was its wall before."""
-    seen = np.isfinite(robot.ranges_m)
-    ends = np.where(seen, robot.here + np.where(seen, robot.ranges_m, 0.0) * robot.eye.units, np.nan)
-    gaps = np.where(seen, np.abs(ends - robot.contact), np.inf)
+    ends = ray_ends(robot.here, robot.ranges_m, robot.eye.units)
+    gaps = np.where(np.isnan(ends), np.inf, np.abs(ends - robot.contact))
     near = int(gaps.argmin())
     return ends, near if gaps[near] <= LOST_M else None
 
@@ -161,7 +152,7 @@ class Slot:
         if len(self._trail) > TRY_TICKS and abs(self._trail[0] - robot.here) < NEARER_M:
             self._rested, self._rest_tick = neighbours, robot.tick
             return 0j
-        return robot.best(aim - robot.here)
+        return best(robot, aim - robot.here)
 
     def _tries_again(self, robot: Robot, aim: complex) -> bool:
         """On a robust line one who is far from its slot waits for others beyond its neighbours, too."""
@@ -191,7 +182,7 @@ def keep(robot: Robot, slot: Slot) -> complex:
         robot.role, robot.since_role = "leaving", robot.tick
     for pivot in (left, right):
         if pivot.beacon.pinned and abs(pivot.wall - robot.here) > APART_M and not robot.is_robust:
-            way = robot.best(pivot.wall - robot.here)
+            way = best(robot, pivot.wall - robot.here)
             if way:
                 return way
     if robot.is_robust:
@@ -236,14 +227,9 @@ def _push(robot: Robot, left: Peer, right: Peer) -> complex:
     for turn_deg in (0, 25, -25, 50, -50):
         way = forward * cmath.exp(1j * math.radians(turn_deg))
         taut = max(abs(one.here - robot.here - way) for one in (left, right)) > longest_m
-        if not taut and robot.may(way):
+        if not taut and may(robot, way):
             robot.taut, robot.pushed = 0, robot.tick
             return way
     if robot.tick - robot.pushed > TAUT_TICKS * robot.parameters.hop_ticks:
         robot.taut = robot.place
     return 0j
-
-
-def toward(robot: Robot, place: complex) -> complex:
-    """A step to a place, around what is in the way."""
-    return robot.best(shortened(place - robot.here, robot.step_m), holds=False)

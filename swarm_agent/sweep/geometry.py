@@ -10,6 +10,7 @@ ROLLED = {
     hand: np.exp(sign * 1j * math.tau / TURNS * np.arange(TURNS))
     for hand, sign in (("left", -1), ("right", 1))
 }
+JOINED_M = 0.12  # ends of neighbouring rays that are no farther apart are one wall
 NOTHING = np.empty(0, dtype=complex)
 
 
@@ -28,6 +29,26 @@ def clearance_m(points: np.ndarray, start: complex, end: complex) -> float:
 def nearest(points: np.ndarray, place: complex) -> complex | None:
     """The nearest of some points; None without any."""
     return complex(points[np.abs(points - place).argmin()]) if len(points) else None
+
+
+def ray_ends(here: complex, ranges_m: np.ndarray, units: np.ndarray) -> np.ndarray:
+    """Where the rays of a scan end, NaN where at no wall."""
+    seen = np.isfinite(ranges_m)
+    return np.where(seen, here + np.where(seen, ranges_m, 0.0) * units, np.nan)
+
+
+def one_wall(ends: np.ndarray, near: int) -> np.ndarray:
+    """Which rays end at the same wall as one of them: on both sides of it, without a jump from ray to ray."""
+    wall = np.zeros(len(ends), dtype=bool)
+    wall[near] = True
+    for step in (1, -1):
+        ray = near
+        for _ in range(len(ends)):
+            following = (ray + step) % len(ends)
+            if not abs(ends[following] - ends[ray]) <= JOINED_M:
+                break
+            wall[following], ray = True, following
+    return wall
 
 
 def turn_rad(first: complex, last: complex, hand: str) -> float:

@@ -1,15 +1,33 @@
 """Links that would cross the way from a leader to its wall: beyond that way, front is back."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+import cmath
+import math
 
 from swarm_agent.sweep.geometry import crosses
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import OTHER, SIDES, WALL
+from swarm_agent.sweep.robot import Robot
 
-if TYPE_CHECKING:
-    from swarm_agent.sweep.robot import Robot
+TURNED_M, TURNED_RAD = 0.6, math.radians(35)
+
+
+def turns_over(robot: Robot, peer: Peer, there: complex) -> bool:
+    """Would the link to a robot near by come too near to the way from a leader to its wall?"""
+    if abs(peer.here - there) >= TURNED_M:
+        return False
+    ends = [(robot.here, there, robot.contact, peer.here)] if robot.role == "leader" else []
+    if peer.beacon.role == "leader":
+        ends.append((peer.here, peer.here, peer.wall, there))
+    for before, after, wall, other in ends:
+        now, then = abs(wall - before), abs(wall - after)
+        was = other if before != after else robot.here
+        if not (now and then):
+            continue
+        angle = abs(cmath.phase((other - after) / (wall - after)))
+        angle_before = abs(cmath.phase((was - before) / (wall - before)))
+        if angle < TURNED_RAD and angle < angle_before:
+            return True
+    return False
 
 
 def is_crossed(robot: Robot, there: complex) -> bool:

@@ -14,12 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from swarm_agent.sweep import robust
-from swarm_agent.sweep.geometry import shortened, turn_rad, unit
+from swarm_agent.sweep.geometry import JOINED_M, shortened, turn_rad, unit
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot
 
-JOINED_M = 0.12  # hits of neighbouring rays that are no farther apart are one wall
 BETWEEN = np.array([0.2, 0.4, 0.6, 0.8])
 CONTACT_M = 0.02
 PROBED_M = 0.5  # a robot that searches takes a wall for an obstacle from so far away

@@ -7,10 +7,10 @@ all on the same hand; so it meets every line there is on that ring of walls.
 import numpy as np
 
 from swarm_agent.sweep.filling import fill
-from swarm_agent.sweep.gait import toward
 from swarm_agent.sweep.geometry import NOTHING, clearance_m, nearest, roll, unit
 from swarm_agent.sweep.knots import is_knotted
 from swarm_agent.sweep.links import BARELY_M, ask_in
+from swarm_agent.sweep.moves import may, toward
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, Side
 from swarm_agent.sweep.robot import UNRANKED, Robot
@@ -174,7 +174,7 @@ def travel(robot: Robot, hand: Side) -> complex:
     keep_m = max(TRAVEL_KEEP_M, min(abs(robot.contact - robot.here) - 0.3 * robot.step_m, 0.45))
     way, contact = roll(robot.here, walls, robot.contact, hand, keep_m, robot.step_m)
     for size in (1.0, 0.5):
-        if robot.may(way * size, holds=False, wall_m=0.1):
+        if may(robot, way * size, holds=False, wall_m=0.1):
             if size == 1.0:
                 robot.contact = contact
             return way * size

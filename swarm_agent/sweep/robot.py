@@ -1,21 +1,17 @@
-"""One robot of a sweep team: all that it knows and is, and what it may do without opening a barrier.
+"""One robot of a sweep team: all that it knows and is, and how well its links hold.
 
 A barrier is a chain of links. A link between two robots holds where both see a place from which the other is
 seen too: the middle between them, or one moved forward around a corner behind the line. How well it holds is
 its margin, in metres: so far may one of the robots go, and the place is still seen by both.
 """
 
-import cmath
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from swarm_agent.surveillance_graph import SurveillanceGraph
-from swarm_agent.sweep import robust
-from swarm_agent.sweep.geometry import clearance_m, nearest, shortened
-from swarm_agent.sweep.knots import is_crossed
+from swarm_agent.sweep.geometry import clearance_m, nearest
 from swarm_agent.sweep.peers import Eye, Peer, Peers
 from swarm_agent.sweep.radio import BARRIER, NOBODY, SIDES, WALL, Flow, Role, Side, Stage
 from wire.channels import number_of
@@ -23,11 +19,8 @@ from wire.messages import Configuration
 
 BENDS, BEND_M = 7, 0.08  # places tried for a link around a corner, and how far apart they are
 SIGHT_M = 0.06  # free space that a line of sight needs on both sides
+UNRANKED, NEVER = 9999, -1_000_000
 WORN_M = 0.02  # of the range: rounding of what is told, and the rays' distance
-BODY_M = 0.03  # room that robots leave between each other
-TURNS_DEG = (0, 30, -30, 60, -60, 85, -85)
-LEAST_M = 0.004
-TURNED_M, TURNED_RAD = 0.6, math.radians(35)
 
 
 class Robot:
@@ -220,74 +213,3 @@ class Robot:
         over = self.over(*ends, self.walls(peer))
         way = (peer.here if over is None else over) - self.here
         return way if way else 1e-9 + 0j
-
-    def linked(self) -> Iterator[tuple[Peer, Side]]:
-        """Everybody whose link it must not open."""
-        sides = {number: side for side, number in self.beside.items() if number > 0} | self.old
-        for number, side in sides.items():
-            peer = self.peer(number)
-            if peer is not None:
-                yield peer, side
-
-    def may(self, way: complex, holds: bool = True, wall_m: float = 0.13) -> bool:
-        """May it go that way: no link opens (where it `holds` any), and nobody and no wall is in the way?
-
-        Whoever is linked may move at the same time, and may have moved since it was heard. Where a margin is
-        too small for that, it may only grow.
-        """
-        there = self.here + way
-        if holds:
-            for peer, side in self.linked():
-                margin_m = self.link_m(peer, side, there)
-                if margin_m < self.needed_m(peer) and margin_m < self.link_m(peer, side) + 1e-6:
-                    return False
-                if abs(peer.here - there) < TURNED_M and self._turns_over(peer, there):
-                    return False
-            if is_crossed(self, there) and not is_crossed(self, self.here):
-                return False
-            if self.is_robust and not robust.may(self, there):
-                return False
-        if len(self.hits):
-            wall_there_m = float(np.abs(self.hits - there).min())
-            if wall_there_m < wall_m and wall_there_m < float(np.abs(self.hits - self.here).min()):
-                return False
-        return all(
-            abs(body - there) >= min(self.body_m + BODY_M, abs(body - self.here)) for body in self.bodies()
-        )
-
-    def _turns_over(self, peer: Peer, there: complex) -> bool:
-        """Would a link come too near to the way from a leader to its wall? Beyond it, front is back."""
-        ends = [(self.here, there, self.contact, peer.here)] if self.role == "leader" else []
-        if peer.beacon.role == "leader":
-            ends.append((peer.here, peer.here, peer.wall, there))
-        for before, after, wall, other in ends:
-            now, then = abs(wall - before), abs(wall - after)
-            was = other if before != after else self.here
-            if not (now and then):
-                continue
-            angle = abs(cmath.phase((other - after) / (wall - after)))
-            angle_before = abs(cmath.phase((was - before) / (wall - before)))
-            if angle < TURNED_RAD and angle < angle_before:
-                return True
-        return False
-
-    def bodies(self) -> Iterator[complex]:
-        """Where others are, and where the dead were when they were last heard."""
-        for peer in self.peers.known.values():
-            yield peer.here
-        for number in self.dead & set(self.peers.lost):
-            yield self.peers.lost[number].here
-
-    def best(self, way: complex, holds: bool = True, wall_m: float = 0.13) -> complex:
-        """What it may do that is nearest to a wanted way; nothing where all is barred."""
-        way = shortened(way, self.step_m)
-        for size in (1.0, 0.5):
-            for turn_deg in TURNS_DEG:
-                turn = math.radians(turn_deg)
-                some = way * size * math.cos(turn) * cmath.exp(1j * turn)
-                if abs(some) > LEAST_M and self.may(some, holds, wall_m):
-                    return some
-        return 0j
-
-
-UNRANKED, NEVER = 9999, -1_000_000

@@ -5,24 +5,18 @@ there already, before anybody has noticed. Who stands beside a leader is its sha
 leader's wall, too. All this binds every step, with the age of what is known of others.
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from swarm_agent.sweep.geometry import clearance_m, nearest, turn_rad
+from swarm_agent.sweep.geometry import clearance_m, nearest, one_wall, ray_ends, turn_rad
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, OTHER, SIDES, WALL, Side
-
-if TYPE_CHECKING:
-    from swarm_agent.sweep.robot import Robot
+from swarm_agent.sweep.robot import Robot
 
 PAIR_M = 0.62  # two leaders who wait for a third robot go no farther apart
 WALL_NEAR_M = 0.2  # a leader's next contact is no farther from the one before
 AT_WALL_M, EDGE_M = 0.08, 0.015  # so near to its end a wall bars no view of it, else so near to the view
-JOINED_M = 0.12  # hits of neighbouring rays that are no farther apart are one wall
 NONE_M = -9.0  # the margin of what is not seen at all
 
 
@@ -155,23 +149,13 @@ def sees_wall(robot: Robot, peer: Peer, wall: complex) -> bool:
 def leaders_walls(robot: Robot) -> np.ndarray:
     """Which rays end at the wall of a leader beside it, without a jump: that is no obstacle."""
     own = np.zeros(robot.eye.rays, dtype=bool)
-    seen = np.isfinite(robot.ranges_m)
-    ends = np.where(seen, robot.here + np.where(seen, robot.ranges_m, 0.0) * robot.eye.units, np.nan)
+    ends = ray_ends(robot.here, robot.ranges_m, robot.eye.units)
     for side in SIDES:
         leader = shadowed(robot, side)
-        if leader is None or not seen.any():
-            continue
-        near = int(np.where(seen, np.abs(ends - leader.contact), np.inf).argmin())
-        if abs(ends[near] - leader.contact) > WALL_NEAR_M:
-            continue
-        own[near] = True
-        for step in (1, -1):
-            ray = near
-            for _ in range(len(ends)):
-                following = (ray + step) % len(ends)
-                if not abs(ends[following] - ends[ray]) <= JOINED_M:
-                    break
-                own[following], ray = True, following
+        if leader is not None and len(robot.hits):
+            near = int(np.nanargmin(np.abs(ends - leader.contact)))
+            if abs(ends[near] - leader.contact) <= WALL_NEAR_M:
+                own |= one_wall(ends, near)
     return own
 
 

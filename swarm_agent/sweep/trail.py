@@ -1,6 +1,6 @@
 """The way that a robot has come, without its detours, so that it can go back to where it began."""
 
-from swarm_agent.sweep.gait import toward
+from swarm_agent.sweep.moves import toward
 from swarm_agent.sweep.robot import Robot
 
 APART_M, STALLED_TICKS = 0.3, 80
