@@ -37,17 +37,17 @@ def ray_ends(here: complex, ranges_m: np.ndarray, units: np.ndarray) -> np.ndarr
     return np.where(seen, here + np.where(seen, ranges_m, 0.0) * units, np.nan)
 
 
-def one_wall(ends: np.ndarray, near: int) -> np.ndarray:
-    """Which rays end at the same wall as one of them: on both sides of it, without a jump from ray to ray."""
-    wall = np.zeros(len(ends), dtype=bool)
-    wall[near] = True
+def one_wall(ends: np.ndarray, near: int) -> list[int]:
+    """The rays that end at the same wall as one of them: it, then those on both sides, until there is a jump."""
+    wall = [near]
     for step in (1, -1):
         ray = near
         for _ in range(len(ends)):
             following = (ray + step) % len(ends)
             if not abs(ends[following] - ends[ray]) <= JOINED_M:
                 break
-            wall[following], ray = True, following
+            wall.append(following)
+            ray = following
     return wall
 
 

@@ -155,7 +155,7 @@ def leaders_walls(robot: Robot) -> np.ndarray:
         if leader is not None and len(robot.hits):
             near = int(np.nanargmin(np.abs(ends - leader.contact)))
             if abs(ends[near] - leader.contact) <= WALL_NEAR_M:
-                own |= one_wall(ends, near)
+                own[one_wall(ends, near)] = True
     return own
 
 
