@@ -38,7 +38,7 @@ def ray_ends(here: complex, ranges_m: np.ndarray, units: np.ndarray) -> np.ndarr
 
 
 def one_wall(ends: np.ndarray, near: int) -> list[int]:
-    """The rays that end at the same wall as one of them: it, then those on both sides, until there is a jump."""
+    """The rays that end at the same wall as one of them: it, then those on both sides up to a jump."""
     wall = [near]
     for step in (1, -1):
         ray = near
