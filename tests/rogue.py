@@ -1,8 +1,8 @@
 """A rogue client, in a process of its own: tries everything on every key and tells what came of it.
 
 `python -m tests.rogue FD`: FD holds a Plan. It speaks Zenoh directly, as an attacker would. Its standard
-output is JSON lines: whether it joined, when its attempts are over, and, after a line on its standard input,
-what it heard.
+output is JSON lines: whether it joined and listens; after a line on its standard input, when its attempts are
+over; and after another one what it heard.
 """
 
 import contextlib
@@ -56,9 +56,10 @@ def main() -> None:
     except zenoh.ZError as error:
         tell(joined=False, error=str(error))
         return
-    tell(joined=True)
     rogue = Rogue(session, plan)
     rogue.listen()
+    tell(joined=True)
+    sys.stdin.readline()
     rogue.forge()
     rogue.speak()
     rogue.ask()

@@ -52,11 +52,10 @@ class Process:
         self.told |= json.loads(line) if line else {}
         return self.told
 
-    def stop(self) -> None:
-        """Let it tell what it heard, and end."""
+    def go_on(self) -> None:
+        """Let it attack, or, after that, tell what it heard and end."""
         self._popen.stdin.write("\n")
         self._popen.stdin.flush()
-        self.read()
 
     def end(self) -> None:
         """Nothing is left."""
@@ -122,6 +121,8 @@ def attack(launcher: Launcher, ticks: list[int], folder: Path) -> dict[str, Any]
     rogues = {name: Process(plan) for name, plan in plans.items()}
     try:
         joined = [one for one in rogues.values() if one.read()["joined"]]
+        for one in joined:  # all listen by now, whatever the others will do
+            one.go_on()
         for one in joined:
             one.read()
         enough = ticks[-1] + LISTENING_TICKS
@@ -129,7 +130,8 @@ def attack(launcher: Launcher, ticks: list[int], folder: Path) -> dict[str, Any]
         until(lambda: refusals(folder, 100), "the world to have had all of the spare's garbage")
         seen = {"sockets": sockets(launcher), "public": public_files(launcher)}
         for one in joined:
-            one.stop()
+            one.go_on()
+            one.read()
     finally:
         for one in rogues.values():
             one.end()
