@@ -40,6 +40,7 @@ SAID = Beacon(
     couriers=(),
     hand="left",
     dead=(),
+    bodies=(),
     gone=(),
     version=NOTHING,
     delta=None,

@@ -20,7 +20,7 @@ from swarm_agent.sweep import events, flows, gait, links
 from swarm_agent.sweep.beginning import Beginning
 from swarm_agent.sweep.captain import Captain
 from swarm_agent.sweep.outlook import Outlook, look, obstacle
-from swarm_agent.sweep.radio import WALL, Beacon, Lacking, Spoken
+from swarm_agent.sweep.radio import WALL, Beacon, Body, Lacking, Spoken
 from swarm_agent.sweep.reserve import Reserve
 from swarm_agent.sweep.robot import Robot
 from wire import codec
@@ -94,7 +94,7 @@ class SweepLine(Behaviour):
         super().__init__(parameters, configuration, generator)
         self.robot = Robot(configuration, parameters)
         self.beginning, self.captain = Beginning(), Captain()
-        self.reserve, self.slot = Reserve(), gait.Slot()
+        self.reserve, self.slot, self.strides = Reserve(), gait.Slot(), gait.Strides()
         self._outlook: Outlook | None = None
         self._drawn = NOTHING
         """The newest version of the graph that observers know from this robot."""
@@ -172,7 +172,7 @@ class SweepLine(Behaviour):
             return self.reserve.way(robot) if asked is None else asked
         if robot.role == "leader" and robot.stage != "forming" and self._outlook is not None:
             outlook = look(robot) if robot.since_role == robot.tick else self._outlook
-            return gait.lead(robot, outlook)
+            return gait.lead(robot, outlook, self.strides)
         if robot.role in ("centre", "leaving"):
             return gait.keep(robot, self.slot)
         return 0j
@@ -208,6 +208,7 @@ class SweepLine(Behaviour):
             robot.couriers,
             self.reserve.hand,
             tuple(sorted(robot.dead)),
+            tuple(Body(number, *_apart(robot, place)) for number, place in sorted(robot.bodies.items())),
             tuple(sorted(robot.gone)),
             version,
             robot.graph.delta_since(min(older)) if older else None,
@@ -232,6 +233,11 @@ class SweepLine(Behaviour):
             (wall.real, wall.imag) if robot.role == "leader" else (0.0, 0.0),
             robot.epoch,
         )
+
+
+def _apart(robot: Robot, place: complex) -> tuple[float, float]:
+    way = place - robot.here
+    return way.real, way.imag
 
 
 def _name(number: int) -> str:

@@ -22,6 +22,9 @@ BESIDE_M, BESIDE_MOST_M, WALL_MOST_M = 0.3, 0.55, 0.4
 BESIDE_WALL_M = 0.02
 CORNER_STEPS, CORNER_RAD = 24, math.radians(60)
 WALK_M, WALK_MOST_M = 4.0, 12.0
+ON_M, STALLED_TICKS = 1.5, 100  # so far on goes an anchor that has not come to a wall for so long
+LEAST_M = 0.005
+BODY_ROOM_M = 0.45  # between a first line and the body of a dead robot
 COURIERS = 2
 GATHER = 2  # times the patience, for the first to come has the longest way
 
@@ -32,7 +35,9 @@ class Beginning:
     def __init__(self) -> None:
         self.beginnings = 0
         self._arrival_tick = self._chosen_tick = self._most_here = 0
-        self._walked_m = 0.0
+        self._to_walk_m = self._walked_m = 0.0
+        self._away_tick = 0
+        """Since when the anchor is on its way to the wall."""
         self._ways: list[complex] = []
         self._trail = Trail()
         self._asked: list[int] = []
@@ -52,6 +57,7 @@ class Beginning:
                 robot.become("reserve", "gone")
                 reserve.begin(robot, self._hand(robot, peer))
                 robot.claim = ""
+        _see_bodies(robot)
 
     @staticmethod
     def _hand(robot: Robot, teller: Peer) -> Side:
@@ -86,7 +92,8 @@ class Beginning:
         if home and robot.epoch == 1:
             robot.stage = "homing"
             self._trail.begin(robot.tick)
-        self._arrival_tick, self._most_here, self._walked_m, self._ways = robot.tick, 0, 0.0, []
+        self._arrival_tick, self._most_here = robot.tick, 0
+        self._walk_on(robot, WALK_MOST_M if self.beginnings > 1 else 0.0)
 
     def first(self, robot: Robot) -> complex:
         """A robot at the start: the one with most walls around it forms the first line with another."""
@@ -123,11 +130,13 @@ class Beginning:
             way = self._trail.way(robot)
             if way is not None:
                 return way
-            robot.stage, self._arrival_tick = "gathering", robot.tick
-        if self.beginnings > 1 and self._walked_m < WALK_MOST_M:
+            robot.stage, self._arrival_tick, self._away_tick = "gathering", robot.tick, robot.tick
+        if self._walked_m < self._to_walk_m:
             return self._walk(robot)
         way = _to_wall(robot)
-        if way:
+        if way is not None:
+            if robot.tick - self._away_tick > STALLED_TICKS * robot.parameters.hop_ticks:
+                self._walk_on(robot, ON_M)
             return way
         here = 1 + sum(
             peer.beacon.tail for peer in robot.peers.known.values() if peer.beacon.ahead == robot.number
@@ -157,14 +166,18 @@ class Beginning:
         """The step of one who is asked to be the other leader of a first line; None if nobody asks."""
         return self._second(robot)
 
+    def _walk_on(self, robot: Robot, to_walk_m: float) -> None:
+        self._to_walk_m, self._walked_m, self._ways, self._away_tick = to_walk_m, 0.0, [], robot.tick
+
     def _walk(self, robot: Robot) -> complex:
-        way = travel(robot, "left")
-        self._walked_m += abs(way)
+        """Along the wall, to a corner if it is far; who stands in a crowd does not wait for ever."""
+        way, self._away_tick = travel(robot, "left"), robot.tick
+        self._walked_m += max(abs(way), LEAST_M)
         self._ways = ([*self._ways, unit(way)] if way else self._ways)[-CORNER_STEPS:]
         if self._walked_m > WALK_M and len(self._ways) == CORNER_STEPS:
             turned_rad = turn_rad(self._ways[0], self._ways[-1], "right")
             if CORNER_RAD < turned_rad < math.pi:
-                self._walked_m = WALK_MOST_M
+                self._walked_m = self._to_walk_m
         return way
 
     def _form(self, robot: Robot) -> complex:
@@ -190,9 +203,25 @@ class Beginning:
         return None
 
 
+def _see_bodies(robot: Robot) -> None:
+    """Take over where the dead lie: where they were when they were last heard, or as others tell."""
+    known = robot.peers.known
+    told = [peer.bodies for peer in known.values()]
+    for number in robot.dead:
+        lost = robot.peers.lost.get(number)
+        places = [lost.here] if lost else [one[number] for one in told if number in one]
+        if places and number not in robot.bodies:
+            robot.bodies[number] = places[0]
+    for number in robot.bodies.keys() & known.keys():
+        del robot.bodies[number]
+
+
 def _to_wall(robot: Robot) -> complex | None:
-    """A step to the nearest wall; None beside it."""
-    wall = robot.nearest_wall()
+    """A step to the nearest wall where no dead body lies; None beside it."""
+    free = robot.hits
+    for body in robot.bodies.values():
+        free = free[np.abs(free - body) > BODY_ROOM_M]
+    wall = nearest(free, robot.here) or robot.nearest_wall()
     if wall is None:
         return best(robot, robot.step_m + 0j, holds=False)
     robot.contact = wall

@@ -22,7 +22,7 @@ STRAIGHT_RAD = 1.8 * math.pi  # larger angles are noise around zero
 ALIKE_RAD = 0.01
 LOST_M = 0.2  # a leader that finds no wall so near to where it was before does not know its wall any more
 BODIES_M = 0.36
-HOLD_M = 0.5  # a leader goes no farther from its wall
+HOLD_M, HOLD_MOST_M = 0.5, 0.6  # a leader goes no farther from its wall; around a dead body a little
 FARTHEST_M = 0.6  # from its wall, for who comes near to it again while it goes
 ASIDE_DEG = (0, 20, 40, 60, 80, 100)
 APART_M, TOGETHER_M = 0.34, 0.25
@@ -33,8 +33,12 @@ TAUT_TICKS = 12
 ANSWER_TICKS = 40
 
 
-def lead(robot: Robot, outlook: Outlook) -> complex:
+def lead(robot: Robot, outlook: Outlook, strides: "Strides") -> complex:
     """A leader's way: along its wall, if that shortens the line, or lengthens it less than the other's."""
+    return strides.taken(robot, _lead(robot, outlook))
+
+
+def _lead(robot: Robot, outlook: Outlook) -> complex:
     side = robot.wall_side()
     touch(robot)
     way = along_wall(robot, side)
@@ -111,7 +115,9 @@ def _stays_at_wall(robot: Robot, way: complex) -> bool:
     """Is it still beside its wall after that way, or at least no farther from it?"""
     there = robot.here + way
     wall = robust.next_contact(robot, there) if robot.is_robust else robot.contact
-    return abs(there - wall) <= max(HOLD_M, abs(robot.here - robot.contact))
+    barred = any(abs(body - robot.here) < HOLD_M for body in robot.bodies.values())
+    hold_m = HOLD_MOST_M if barred else HOLD_M
+    return abs(there - wall) <= max(hold_m, abs(robot.here - robot.contact))
 
 
 def _keep_m(robot: Robot) -> float:
@@ -125,6 +131,33 @@ def _go_back(robot: Robot, side: Side, other_rad: float) -> complex:
     if robot.angle_rad <= math.pi / 2 or robot.angle_rad < other_rad - 0.3:
         return 0j
     return _go(robot, along_wall(robot, OTHER[side]), OTHER[side])
+
+
+class Strides:
+    """Whether a leader comes any farther; who goes to and fro rests until its neighbour or its order is another.
+
+    A line can decide nothing before all of it stands still.
+    """
+
+    def __init__(self) -> None:
+        self._trail: list[complex] = []
+        self._rested: tuple[complex, int] | None = None
+
+    def taken(self, robot: Robot, way: complex) -> complex:
+        """The way, or nothing while it rests."""
+        beside = robot.neighbour(OTHER[robot.wall_side()])
+        place = robot.here if beside is None else beside.here
+        if self._rested is not None:
+            moved = abs(place - self._rested[0]) >= RESTED_M
+            if not moved and robot.order == self._rested[1] and not robot.close:
+                return 0j
+            self._rested, self._trail = None, []
+        if way:
+            self._trail = [*self._trail[-TRY_TICKS:], robot.here]
+        if len(self._trail) > TRY_TICKS and abs(self._trail[0] - robot.here) < NEARER_M:
+            self._rested = place, robot.order
+            return 0j
+        return way
 
 
 class Slot:

@@ -76,8 +76,7 @@ def _linked(robot: Robot) -> Iterator[tuple[Peer, Side]]:
 
 
 def _bodies(robot: Robot) -> Iterator[complex]:
-    """Where others are, and where the dead were when they were last heard."""
+    """Where others are, and where the dead lie."""
     for peer in robot.peers.known.values():
         yield peer.here
-    for number in robot.dead & set(robot.peers.lost):
-        yield robot.peers.lost[number].here
+    yield from robot.bodies.values()

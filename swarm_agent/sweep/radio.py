@@ -69,6 +69,14 @@ class Measured(msgspec.Struct, frozen=True, array_like=True):
     bearing_rad: Angle
 
 
+class Body(msgspec.Struct, frozen=True, array_like=True):
+    """Where the body of a dead robot lies: in the way of whoever goes there."""
+
+    number: Number
+    x_m: Way
+    y_m: Way
+
+
 class Beacon(msgspec.Struct, frozen=True, array_like=True):
     """All that a robot says in a tick.
 
@@ -78,7 +86,7 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     pinned neighbour; `close`: its neighbour must come near, for it has an obstacle ahead and is a leader.
     `meets`: a leader of another line, with whom it would become one line. `epoch`: how often the team began
     again, at `anchor`, with `couriers` underway to tell the others; `hand`: where it keeps walls when it
-    travels. `dead` robots and `gone` lines: all that it knows of.
+    travels. `dead` robots and `gone` lines: all that it knows of, and the ways to `bodies` of the dead.
     """
 
     role: Role
@@ -105,6 +113,7 @@ class Beacon(msgspec.Struct, frozen=True, array_like=True):
     couriers: tuple[Number, ...]
     hand: Side
     dead: tuple[Number, ...]
+    bodies: tuple[Body, ...]
     gone: tuple[Number, ...]
     version: Version
     delta: Delta | None

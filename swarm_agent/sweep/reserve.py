@@ -6,6 +6,7 @@ all on the same hand; so it meets every line there is on that ring of walls.
 
 import numpy as np
 
+from swarm_agent.sweep.across import back_across
 from swarm_agent.sweep.filling import fill
 from swarm_agent.sweep.geometry import NOTHING, clearance_m, nearest, roll, unit
 from swarm_agent.sweep.knots import is_knotted
@@ -49,18 +50,18 @@ class Reserve:
 
     def way(self, robot: Robot) -> complex:
         """Where to go now. It may ask to come into the line instead."""
+        carries = robot.number in robot.couriers and not _is_homing(robot)
+        leader = None if carries else _choose(robot)
+        robot.ahead = leader.number if leader else NOBODY
+        robot.rank = _rank(robot, leader)
+        robot.tail = min(MOST_TAIL, 1 + _followers(robot))
         room = _make_room(robot, robot.is_robust and self._asked[0])
         if room:
             return room
-        if robot.number in robot.couriers and not _is_homing(robot):
-            robot.ahead, robot.rank = NOBODY, UNRANKED
-            return self._carry_word(robot)
-        robot.tail = min(MOST_TAIL, 1 + _followers(robot))
-        leader = _choose(robot)
-        robot.ahead = leader.number if leader else NOBODY
-        robot.rank = _rank(robot, leader)
+        if (across := back_across(robot)) is not None:
+            return across
         if leader is None:
-            return self._travel(robot)
+            return self._carry_word(robot) if carries else self._travel(robot)
         if is_ours(robot, leader):
             way = self._come_in(robot, leader)
             if way is not None:
@@ -166,7 +167,8 @@ def is_ours(robot: Robot, peer: Peer) -> bool:
 
 def travel(robot: Robot, hand: Side) -> complex:
     """A step along walls and the backs of lines, which stay on one hand."""
-    walls = np.concatenate((robot.hits, _lines(robot)))
+    bodies = np.array(list(robot.bodies.values()), dtype=complex)
+    walls = np.concatenate((robot.hits, _lines(robot), bodies))
     if not len(walls):
         return toward(robot, robot.contact)
     near = walls[np.abs(walls - robot.contact) <= TRAVEL_M]

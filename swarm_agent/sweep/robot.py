@@ -40,6 +40,8 @@ class Robot:
         self.ranges_m = np.full(field.rays, np.inf)
         self.hits = np.empty(0, dtype=complex)
         self.dead: set[int] = set()
+        self.bodies: dict[int, complex] = {}
+        """Where the bodies of the dead lie."""
         self.gone: set[int] = set()
         """Numbers of lines that have dissolved where they stood."""
         self.events: list[str] = []

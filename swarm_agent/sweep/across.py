@@ -1,0 +1,53 @@
+"""Robots on no line belong behind lines: who is ahead of one, because it went back, goes through it."""
+
+from swarm_agent.sweep.geometry import clearance_m, unit
+from swarm_agent.sweep.moves import toward
+from swarm_agent.sweep.peers import Peer
+from swarm_agent.sweep.radio import BARRIER
+from swarm_agent.sweep.robot import Robot
+
+GAP_M = 0.5  # between two robots is room for a third that goes through
+BESIDE_M, NEAR_M = 0.35, 1.0
+WIDTH_M = 0.12
+MIDDLE = 0.25  # of a link, to both sides of its middle: there one may go through
+
+Link = tuple[Peer, Peer]
+
+
+def back_across(robot: Robot) -> complex | None:
+    """A step to behind the nearest link; None for who is there, or cannot go through."""
+    links = [link for link in _links(robot) if _far_m(robot, link) < NEAR_M]
+    if not links:
+        return None
+    left, right = min(links, key=lambda link: _far_m(robot, link))
+    ahead = 1j * unit(right.here - left.here)
+    ahead_m = ((robot.here - left.here) / ahead).real
+    if ahead_m <= 0 or abs(right.here - left.here) < GAP_M:
+        return None
+    middle = (left.here + right.here) / 2
+    aside_m = abs(((robot.here - middle) / ahead).imag)
+    through = aside_m < MIDDLE * abs(right.here - left.here)
+    goal = middle + (-BESIDE_M if through else BESIDE_M) * ahead
+    if clearance_m(robot.walls(left, right), robot.here, goal) < WIDTH_M:
+        return None
+    return toward(robot, goal) or None
+
+
+def _links(robot: Robot) -> list[Link]:
+    """All links of lines, both of whose ends it knows and hold them."""
+    found = []
+    for left in robot.peers.known.values():
+        right = robot.peer(left.beacon.right)
+        if right is None or left.beacon.epoch != robot.epoch or right.beacon.left != left.number:
+            continue
+        if left.beacon.role in BARRIER and right.beacon.role in BARRIER:
+            found.append((left, right))
+    return found
+
+
+def _far_m(robot: Robot, link: Link) -> float:
+    """How far it is from a link."""
+    left, right = link
+    way, away = right.here - left.here, robot.here - left.here
+    share = min(max((away * way.conjugate()).real / max(abs(way) ** 2, 1e-12), 0.0), 1.0)
+    return abs(away - share * way)
