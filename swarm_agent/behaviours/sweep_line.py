@@ -149,6 +149,8 @@ class SweepLine(Behaviour):
             self.beginning.again(robot, trouble, home=bool(lost))
         elif robot.role == "reserve" and before != "reserve":
             self.reserve.begin(robot)
+            if before == "joining":
+                self.reserve.refused(robot)
 
     def _claim(self) -> None:
         """All is done when a line has dissolved and no other is left; whoever hears of it agrees."""

@@ -26,6 +26,7 @@ ON_M, STALLED_TICKS = 1.5, 100  # so far on goes an anchor that has not come to 
 LEAST_M = 0.005
 BODY_ROOM_M = 0.45  # between a first line and the body of a dead robot
 COURIERS = 2
+LATE = 5  # of the patience is how much later than couriers somebody may come
 GATHER = 2  # times the patience, for the first to come has the longest way
 
 
@@ -40,6 +41,9 @@ class Beginning:
         """Since when the anchor is on its way to the wall."""
         self._ways: list[complex] = []
         self._trail = Trail()
+        self._sent: tuple[int, ...] = ()
+        self._back_tick = 0
+        """Couriers, and when they had not all come back yet."""
         self._asked: list[int] = []
         """Who did not come when it was asked to be the second leader."""
 
@@ -85,6 +89,7 @@ class Beginning:
         robot.become("anchor", "gathering")
         robot.contact = robot.nearest_wall() or robot.here
         robot.epoch, robot.anchor, robot.couriers = robot.epoch + 1, robot.number, couriers
+        self._sent = couriers
         robot.claim = ""
         graph.renew(robot.epoch)
         robot.events.append("restart")
@@ -146,9 +151,18 @@ class Beginning:
         if here > self._most_here:
             self._most_here, self._arrival_tick = here, robot.tick
         waited = robot.tick - self._arrival_tick
-        if here < 2 or (here < robot.team and waited < GATHER * robot.parameters.patience_ticks):
+        if here < 2 or (here < robot.team and waited < self._patience(robot)):
             return 0j
         return self._form(robot)
+
+    def _patience(self, robot: Robot) -> int:
+        """How long to wait for one more: not for long when the couriers are back, for all have been told then."""
+        sent = [robot.peer(number) for number in self._sent if number not in robot.dead]
+        back = bool(sent) and all(one and one.beacon.ahead and not one.beacon.couriers for one in sent)
+        if not back:
+            self._back_tick = robot.tick
+        long = GATHER * robot.parameters.patience_ticks
+        return long if robot.tick - self._back_tick <= robot.parameters.patience_ticks / LATE else 0
 
     def await_second(self, robot: Robot) -> None:
         """The first leader waits for the other one, and asks somebody else after a while."""

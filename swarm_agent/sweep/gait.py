@@ -31,6 +31,7 @@ RESTED_M = 0.08
 REST_TICKS = 10
 TAUT_TICKS = 12
 ANSWER_TICKS = 40
+SETTLED_TICKS = 20  # who has just come in does not know yet whether the line wants it
 
 
 def lead(robot: Robot, outlook: Outlook, strides: "Strides") -> complex:
@@ -209,6 +210,7 @@ def keep(robot: Robot, slot: Slot) -> complex:
     if (
         robot.order in (GO_ON, GO_HOME)
         and robot.role == "centre"
+        and robot.tick - robot.since_role > SETTLED_TICKS * robot.parameters.hop_ticks
         and not robot.any_told("want")
         and is_spare(robot)
     ):

@@ -67,6 +67,15 @@ def crosses(start: complex, end: complex, other_start: complex, other_end: compl
     ) != beside(other_end, start, end)
 
 
+def crossed(start: complex, ends: np.ndarray, other_start: complex, other_end: complex) -> np.ndarray:
+    """Which straight ways from `start` to some ends cross another one?"""
+    other = other_end - other_start
+    before, after = (((one - other_start) * other.conjugate()).imag for one in (start, ends))
+    ways = ends - start
+    first, last = ((ways.conjugate() * (one - start)).imag for one in (other_start, other_end))
+    return (before * after < 0) & (first * last < 0)
+
+
 def unit(way: complex) -> complex:
     """The direction of a way; 1 of none."""
     return way / abs(way) if way else 1 + 0j

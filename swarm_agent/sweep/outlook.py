@@ -8,13 +8,13 @@ Source: frontiers are those of Durham, Franchi and Bullo, 2012; the paper's robo
 """
 
 import math
-from collections.abc import Container
+from collections.abc import Container, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from swarm_agent.sweep import robust
-from swarm_agent.sweep.geometry import JOINED_M, shortened, turn_rad, unit
+from swarm_agent.sweep.geometry import JOINED_M, crossed, shortened, turn_rad, unit
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import BARRIER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot
@@ -112,7 +112,7 @@ def _way(robot: Robot, side: Side) -> complex:
 
 
 def _covered(robot: Robot, places: np.ndarray, lines: Container[int]) -> np.ndarray:
-    """Which places are seen by somebody else on one of some lines."""
+    """Which places are seen by somebody else on one of some lines, or are beyond such a line, and so behind it."""
     covered = np.zeros(len(places), dtype=bool)
     for peer in robot.peers.known.values():
         if (
@@ -121,7 +121,20 @@ def _covered(robot: Robot, places: np.ndarray, lines: Container[int]) -> np.ndar
             and abs(peer.here - robot.here) < 2 * robot.eye.detect_m
         ):
             covered |= peer.sees(places)
+            if covered.all():
+                return covered
+            for start, end in _barriers(robot, peer):
+                covered |= crossed(robot.here, places, start, end)
     return covered
+
+
+def _barriers(robot: Robot, peer: Peer) -> Iterator[tuple[complex, complex]]:
+    """The parts of a line between a robot and who is on its right, and between a leader and its wall."""
+    right = robot.peer(peer.beacon.right)
+    if right is not None and right.beacon.left == peer.number:
+        yield peer.here, right.here
+    if peer.beacon.role == "leader":
+        yield peer.here, peer.wall
 
 
 def _own_wall(

@@ -30,6 +30,7 @@ MOST_TAIL = 50
 STALLED_M, STALLED_TICKS = 0.3, 60
 WAIT_TICKS = 3
 DEPART_M = 0.5
+REFUSED_TICKS = 25
 
 
 class Reserve:
@@ -40,13 +41,18 @@ class Reserve:
         self.underway = self.gone_round = False
         self._depart_tick = 0
         self._asked: tuple[bool, int, int] = (False, 0, 0)
-        self._asked_tick = self._place_tick = 0
+        self._asked_tick = self._place_tick = self._refusals = self._again_tick = 0
         self._place = 0j
 
     def begin(self, robot: Robot, hand: Side = "left") -> None:
         """It has just left a line, or heard that the team begins again."""
         self.hand, self.underway, self.gone_round, self._depart_tick = hand, False, False, 0
         robot.contact = robot.nearest_wall() or robot.here
+
+    def refused(self, robot: Robot) -> None:
+        """The line did not take it in: it waits, longer each time, so that somebody else can ask."""
+        self._refusals += 1
+        self._again_tick = robot.tick + self._refusals * REFUSED_TICKS * robot.parameters.hop_ticks
 
     def way(self, robot: Robot) -> complex:
         """Where to go now. It may ask to come into the line instead."""
@@ -114,9 +120,12 @@ class Reserve:
         wanted, count = any(flow.want for flow in flows), sum(flow.count for flow in flows)
         asked = (wanted, count, beside.number)
         if asked != self._asked:
+            if not wanted:
+                self._refusals = 0
             self._asked, self._asked_tick = asked, robot.tick
         wait = (WAIT_TICKS + (2 * count if _is_second(robot) else 0)) * robot.parameters.hop_ticks
-        if not wanted or len(flows) < 2 or robot.tick - self._asked_tick <= wait:
+        too_early = robot.tick - self._asked_tick <= wait or robot.tick < self._again_tick
+        if not wanted or len(flows) < 2 or too_early:
             return None
         if robot.is_robust:
             return fill(robot, beside, robot.tick - self._asked_tick > wait + BARRED_TICKS)
