@@ -5,28 +5,26 @@ they do not see. After a loss that cannot be mended, or when no line can go on, 
 others that hear of it come to it, and two couriers go round the walls, each its way, to tell who is far.
 """
 
-import math
-
 import numpy as np
 
-from swarm_agent.sweep.geometry import nearest, turn_rad, unit
+from swarm_agent.sweep.corner import MOST_M, Walk, in_corner
+from swarm_agent.sweep.geometry import nearest, unit
 from swarm_agent.sweep.moves import best
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import MOST, OTHER, SIDES, WALL, Side
-from swarm_agent.sweep.reserve import Reserve, is_clear, travel
+from swarm_agent.sweep.reserve import Reserve, is_clear
 from swarm_agent.sweep.robot import Robot
 from swarm_agent.sweep.trail import Trail
 
 SETTLE_TICKS, SECOND_TICKS = 6, 40
 BESIDE_M, BESIDE_MOST_M, WALL_MOST_M = 0.3, 0.55, 0.4
 BESIDE_WALL_M = 0.02
-CORNER_STEPS, CORNER_RAD = 24, math.radians(60)
-WALK_M, WALK_MOST_M = 4.0, 12.0
+AWAY_M = 4.0  # so far from where it began in vain it begins again
 ON_M, STALLED_TICKS = 1.5, 100  # so far on goes an anchor that has not come to a wall for so long
-LEAST_M = 0.005
 BODY_ROOM_M = 0.45  # between a first line and the body of a dead robot
 COURIERS = 2
 LATE = 5  # of the patience is how much later than couriers somebody may come
+FIRST_TICKS = 100
 GATHER = 2  # times the patience, for the first to come has the longest way
 
 
@@ -36,10 +34,9 @@ class Beginning:
     def __init__(self) -> None:
         self.beginnings = 0
         self._arrival_tick = self._chosen_tick = self._most_here = 0
-        self._to_walk_m = self._walked_m = 0.0
+        self._walk, self._has_walked = Walk(), False
         self._away_tick = 0
         """Since when the anchor is on its way to the wall."""
-        self._ways: list[complex] = []
         self._trail = Trail()
         self._sent: tuple[int, ...] = ()
         self._back_tick = 0
@@ -98,7 +95,9 @@ class Beginning:
             robot.stage = "homing"
             self._trail.begin(robot.tick)
         self._arrival_tick, self._most_here = robot.tick, 0
-        self._walk_on(robot, WALK_MOST_M if self.beginnings > 1 else 0.0)
+        self._away_tick, self._has_walked = robot.tick, False
+        if self.beginnings > 1:
+            self._walk_on(AWAY_M, MOST_M)
 
     def first(self, robot: Robot) -> complex:
         """A robot at the start: the one with most walls around it forms the first line with another."""
@@ -106,8 +105,10 @@ class Beginning:
         if second is not None:
             return second
         known = robot.peers.known.values()
-        if any(one.beacon.role == "leader" and one.beacon.stage != "forming" for one in known):
+        anchor = next((one.number for one in known if one.beacon.role == "anchor"), 0)
+        if anchor or any(one.beacon.role == "leader" and one.beacon.stage != "forming" for one in known):
             robot.become("reserve")
+            robot.anchor = anchor
             return 0j
         if robot.tick - robot.born < SETTLE_TICKS * robot.parameters.hop_ticks:
             return 0j
@@ -115,6 +116,12 @@ class Beginning:
             robot.stage = ""
             return 0j
         robot.stage = "forming"
+        way = _to_wall(robot)
+        if way is None and not in_corner(robot):
+            robot.become("anchor", "gathering")
+            robot.anchor, self._arrival_tick = robot.number, robot.tick
+            self._walk_on(0.0, MOST_M)
+            return 0j
         return self._form(robot)
 
     def _is_first(self, robot: Robot) -> bool:
@@ -130,19 +137,23 @@ class Beginning:
         return all((*_openness(robot, one.ranges_m), one.number) > own for one in known)
 
     def gather(self, robot: Robot) -> complex:
-        """The anchor: it goes home, or on to a corner if this is not the first time, waits, and forms."""
+        """The anchor: it goes home, or away if this is not the first time, on to a corner, waits, and forms."""
         if robot.stage == "homing":
             way = self._trail.way(robot)
             if way is not None:
                 return way
             robot.stage, self._arrival_tick, self._away_tick = "gathering", robot.tick, robot.tick
-        if self._walked_m < self._to_walk_m:
-            return self._walk(robot)
+        if not self._walk.is_over:
+            self._away_tick = robot.tick
+            return self._walk.way(robot)
         way = _to_wall(robot)
         if way is not None:
             if robot.tick - self._away_tick > STALLED_TICKS * robot.parameters.hop_ticks:
-                self._walk_on(robot, ON_M)
+                self._walk_on(0.0, ON_M)
             return way
+        if not self._has_walked and not in_corner(robot):
+            self._walk_on(0.0, MOST_M)
+            return 0j
         here = 1 + sum(
             peer.beacon.tail for peer in robot.peers.known.values() if peer.beacon.ahead == robot.number
         )
@@ -161,7 +172,7 @@ class Beginning:
         back = bool(sent) and all(one and one.beacon.ahead and not one.beacon.couriers for one in sent)
         if not back:
             self._back_tick = robot.tick
-        long = GATHER * robot.parameters.patience_ticks
+        long = GATHER * robot.parameters.patience_ticks if robot.epoch else FIRST_TICKS
         return long if robot.tick - self._back_tick <= robot.parameters.patience_ticks / LATE else 0
 
     def await_second(self, robot: Robot) -> None:
@@ -180,19 +191,9 @@ class Beginning:
         """The step of one who is asked to be the other leader of a first line; None if nobody asks."""
         return self._second(robot)
 
-    def _walk_on(self, robot: Robot, to_walk_m: float) -> None:
-        self._to_walk_m, self._walked_m, self._ways, self._away_tick = to_walk_m, 0.0, [], robot.tick
-
-    def _walk(self, robot: Robot) -> complex:
-        """Along the wall, to a corner if it is far; who stands in a crowd does not wait for ever."""
-        way, self._away_tick = travel(robot, "left"), robot.tick
-        self._walked_m += max(abs(way), LEAST_M)
-        self._ways = ([*self._ways, unit(way)] if way else self._ways)[-CORNER_STEPS:]
-        if self._walked_m > WALK_M and len(self._ways) == CORNER_STEPS:
-            turned_rad = turn_rad(self._ways[0], self._ways[-1], "right")
-            if CORNER_RAD < turned_rad < math.pi:
-                self._walked_m = self._to_walk_m
-        return way
+    def _walk_on(self, least_m: float, most_m: float) -> None:
+        self._walk.begin(least_m, most_m)
+        self._has_walked = True
 
     def _form(self, robot: Robot) -> complex:
         way = _to_wall(robot)
