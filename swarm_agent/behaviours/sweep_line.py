@@ -16,11 +16,11 @@ import numpy as np
 from swarm_agent.behaviour import Air, Behaviour, Heard, Move
 from swarm_agent.behaviour import Parameters as BaseParameters
 from swarm_agent.graph_copy import NOTHING, Version
-from swarm_agent.sweep import events, flows, gait, links
+from swarm_agent.sweep import events, fallen, flows, gait, links
 from swarm_agent.sweep.beginning import Beginning
 from swarm_agent.sweep.captain import Captain
 from swarm_agent.sweep.outlook import Outlook, look, obstacle
-from swarm_agent.sweep.radio import WALL, Beacon, Body, Lacking, Spoken
+from swarm_agent.sweep.radio import WALL, Beacon, Lacking, Spoken
 from swarm_agent.sweep.reserve import Reserve
 from swarm_agent.sweep.robot import Robot
 from wire import codec
@@ -210,7 +210,7 @@ class SweepLine(Behaviour):
             robot.couriers,
             self.reserve.hand,
             tuple(sorted(robot.dead)),
-            tuple(Body(number, *_apart(robot, place)) for number, place in sorted(robot.bodies.items())),
+            fallen.told(robot),
             tuple(sorted(robot.gone)),
             version,
             robot.graph.delta_since(min(older)) if older else None,
@@ -235,11 +235,6 @@ class SweepLine(Behaviour):
             (wall.real, wall.imag) if robot.role == "leader" else (0.0, 0.0),
             robot.epoch,
         )
-
-
-def _apart(robot: Robot, place: complex) -> tuple[float, float]:
-    way = place - robot.here
-    return way.real, way.imag
 
 
 def _name(number: int) -> str:

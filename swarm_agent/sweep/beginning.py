@@ -7,6 +7,7 @@ others that hear of it come to it, and two couriers go round the walls, each its
 
 import numpy as np
 
+from swarm_agent.sweep import fallen
 from swarm_agent.sweep.corner import MOST_M, Walk, in_corner
 from swarm_agent.sweep.geometry import nearest, unit
 from swarm_agent.sweep.moves import best
@@ -58,7 +59,7 @@ class Beginning:
                 robot.become("reserve", "gone")
                 reserve.begin(robot, self._hand(robot, peer))
                 robot.claim = ""
-        _see_bodies(robot)
+        fallen.see(robot)
 
     @staticmethod
     def _hand(robot: Robot, teller: Peer) -> Side:
@@ -218,23 +219,10 @@ class Beginning:
         return None
 
 
-def _see_bodies(robot: Robot) -> None:
-    """Take over where the dead lie: where they were when they were last heard, or as others tell."""
-    known = robot.peers.known
-    told = [peer.bodies for peer in known.values()]
-    for number in robot.dead:
-        lost = robot.peers.lost.get(number)
-        places = [lost.here] if lost else [one[number] for one in told if number in one]
-        if places and number not in robot.bodies:
-            robot.bodies[number] = places[0]
-    for number in robot.bodies.keys() & known.keys():
-        del robot.bodies[number]
-
-
 def _to_wall(robot: Robot) -> complex | None:
     """A step to the nearest wall where no dead body lies; None beside it."""
     free = robot.hits
-    for body in robot.bodies.values():
+    for body in robot.fallen:
         free = free[np.abs(free - body) > BODY_ROOM_M]
     wall = nearest(free, robot.here) or robot.nearest_wall()
     if wall is None:

@@ -116,7 +116,7 @@ def _stays_at_wall(robot: Robot, way: complex) -> bool:
     """Is it still beside its wall after that way, or at least no farther from it?"""
     there = robot.here + way
     wall = robust.next_contact(robot, there) if robot.is_robust else robot.contact
-    barred = any(abs(body - robot.here) < HOLD_M for body in robot.bodies.values())
+    barred = any(abs(body - robot.here) < HOLD_M for body in robot.fallen)
     hold_m = HOLD_MOST_M if barred else HOLD_M
     return abs(there - wall) <= max(hold_m, abs(robot.here - robot.contact))
 

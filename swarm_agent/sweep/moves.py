@@ -79,4 +79,4 @@ def _bodies(robot: Robot) -> Iterator[complex]:
     """Where others are, and where the dead lie."""
     for peer in robot.peers.known.values():
         yield peer.here
-    yield from robot.bodies.values()
+    yield from robot.fallen

@@ -79,11 +79,9 @@ class Peer:
         """The same, exactly: seen from where it was before its last step."""
         return self._stood + self.turn * self.beacon.wall
 
-    @property
-    def bodies(self) -> dict[int, complex]:
-        """The places of dead bodies that it knows of, by their numbers."""
-        told = self.beacon.bodies
-        return {one.number: self._stood + self.turn * complex(one.x_m, one.y_m) for one in told}
+    def place(self, way: complex) -> complex:
+        """Where a way ends that it told when it spoke."""
+        return self._stood + self.turn * way
 
     def sees(self, places: np.ndarray) -> np.ndarray:
         """Which of some places it saw, with nothing in between and a margin to spare."""

@@ -70,9 +70,10 @@ class Measured(msgspec.Struct, frozen=True, array_like=True):
 
 
 class Body(msgspec.Struct, frozen=True, array_like=True):
-    """Where the body of a dead robot lies: in the way of whoever goes there."""
+    """The way to the body of a dead robot that somebody last heard at `tick`."""
 
     number: Number
+    tick: Tick
     x_m: Way
     y_m: Way
 

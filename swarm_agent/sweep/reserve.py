@@ -176,7 +176,7 @@ def is_ours(robot: Robot, peer: Peer) -> bool:
 
 def travel(robot: Robot, hand: Side) -> complex:
     """A step along walls and the backs of lines, which stay on one hand."""
-    bodies = np.array(list(robot.bodies.values()), dtype=complex)
+    bodies = np.array(robot.fallen, dtype=complex)
     walls = np.concatenate((robot.hits, _lines(robot), bodies))
     if not len(walls):
         return toward(robot, robot.contact)

@@ -40,8 +40,8 @@ class Robot:
         self.ranges_m = np.full(field.rays, np.inf)
         self.hits = np.empty(0, dtype=complex)
         self.dead: set[int] = set()
-        self.bodies: dict[int, complex] = {}
-        """Where the bodies of the dead lie."""
+        self.bodies: dict[int, tuple[int, complex]] = {}
+        """When each of the dead was last heard, and where its body lies."""
         self.gone: set[int] = set()
         """Numbers of lines that have dissolved where they stood."""
         self.events: list[str] = []
@@ -90,6 +90,11 @@ class Robot:
     def neighbour(self, side: Side) -> Peer | None:
         """Who stands beside it; None for a wall, nobody, and one who is not heard."""
         return self.peer(self.beside[side])
+
+    @property
+    def fallen(self) -> list[complex]:
+        """The places of the bodies of the dead."""
+        return [place for _, place in self.bodies.values()]
 
     def wall_side(self) -> Side:
         """Of a leader: the side of its wall."""
