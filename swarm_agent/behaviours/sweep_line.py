@@ -96,6 +96,7 @@ class SweepLine(Behaviour):
         self.beginning, self.captain = Beginning(), Captain()
         self.reserve, self.slot, self.strides = Reserve(), gait.Slot(), gait.Strides()
         self._outlook: Outlook | None = None
+        self._wanted = 0j
         self._drawn = NOTHING
         """The newest version of the graph that observers know from this robot."""
         self._lacking: list[Version] = []
@@ -112,6 +113,7 @@ class SweepLine(Behaviour):
             self._stand_in_line()
         self._claim()
         way = self._way()
+        self._wanted = way
         if abs(way) > STILL_M:
             robot.moved = robot.tick
         flows.tell(robot)
@@ -128,6 +130,7 @@ class SweepLine(Behaviour):
         robot.ranges_m = np.frombuffer(senses.scan, "<f4").astype(float)
         seen = np.isfinite(robot.ranges_m)
         robot.hits = robot.here + robot.ranges_m[seen] * robot.eye.units[seen]
+        fallen.bump(robot, self._wanted, complex(*senses.odometry_m))
         for peer in robot.peers.known.values():
             if peer.beacon.delta is not None:
                 robot.graph.take(peer.beacon.delta)

@@ -22,10 +22,10 @@ BESIDE_M, BESIDE_MOST_M, WALL_MOST_M = 0.3, 0.55, 0.4
 BESIDE_WALL_M = 0.02
 AWAY_M = 4.0  # so far from where it began in vain it begins again
 ON_M, STALLED_TICKS = 1.5, 100  # so far on goes an anchor that has not come to a wall for so long
-BODY_ROOM_M = 0.45  # between a first line and the body of a dead robot
+BODY_ROOM_M = 0.75  # between the first leader and the body of a dead robot: the other one stands there
 COURIERS = 2
 LATE = 5  # of the patience is how much later than couriers somebody may come
-FIRST_TICKS = 100
+FIRST_TICKS, MISSED_M = 100, 1.2
 GATHER = 2  # times the patience, for the first to come has the longest way
 
 
@@ -39,6 +39,7 @@ class Beginning:
         self._away_tick = 0
         """Since when the anchor is on its way to the wall."""
         self._trail = Trail()
+        self._was_near = False
         self._sent: tuple[int, ...] = ()
         self._back_tick = 0
         """Couriers, and when they had not all come back yet."""
@@ -60,6 +61,24 @@ class Beginning:
                 reserve.begin(robot, self._hand(robot, peer))
                 robot.claim = ""
         fallen.see(robot)
+        if robot.role == "reserve" and self._misses_anchor(robot):
+            robot.dead.add(robot.anchor)
+            self.again(robot, f"r{robot.anchor} is silent", home=False)
+
+    def _misses_anchor(self, robot: Robot) -> bool:
+        """Has the anchor fallen silent near by, and is it for this robot to be the next one?"""
+        lost = robot.peers.lost.get(robot.anchor)
+        if lost is None or robot.graph.main is not None or robot.graph.lines():
+            return False
+        silent_ticks = robot.tick - lost.tick - robot.parameters.dead_ticks
+        if silent_ticks <= robot.parameters.hop_ticks:
+            self._was_near = abs(lost.here - robot.here) <= MISSED_M  # else one of them went out of reach
+        if not self._was_near or silent_ticks > 2 * SECOND_TICKS:
+            return False
+        known = robot.peers.known.values()
+        return silent_ticks > SECOND_TICKS or all(
+            one.number > robot.number for one in known if one.beacon.epoch == robot.epoch
+        )
 
     @staticmethod
     def _hand(robot: Robot, teller: Peer) -> Side:
@@ -150,7 +169,7 @@ class Beginning:
         way = _to_wall(robot)
         if way is not None:
             if robot.tick - self._away_tick > STALLED_TICKS * robot.parameters.hop_ticks:
-                self._walk_on(0.0, ON_M)
+                self._walk_on(ON_M, MOST_M)
             return way
         if not self._has_walked and not in_corner(robot):
             self._walk_on(0.0, MOST_M)
@@ -183,10 +202,13 @@ class Beginning:
             robot.stage = ""
         elif other is None or robot.tick - self._chosen_tick > SECOND_TICKS:
             near = [one for one in _candidates(robot) if one.number not in self._asked]
-            self._asked = [*self._asked, robot.beside["right"]] if near else []
+            self._asked.append(robot.beside["right"])
+            self._chosen_tick = robot.tick
             if near:
                 robot.beside["right"] = _nearest_to_spot(robot, near).number
-            self._chosen_tick = robot.tick
+            else:  # there is no room beside it
+                robot.become("anchor", "gathering")
+                self._walk_on(ON_M, MOST_M)
 
     def second(self, robot: Robot) -> complex | None:
         """The step of one who is asked to be the other leader of a first line; None if nobody asks."""

@@ -1,7 +1,15 @@
-"""Where the bodies of dead robots lie: in the way of everybody, and seen by nobody, so robots tell each other."""
+"""Where the bodies of dead robots lie: in the way of everybody, and seen by nobody, so robots tell each other.
 
+Of who died unnoticed nobody can tell: whoever is held up on its way where it knows of nothing has met a body.
+"""
+
+from swarm_agent.sweep.geometry import unit
 from swarm_agent.sweep.radio import Body
 from swarm_agent.sweep.robot import Robot
+
+LEAST_M, HELD_UP = 0.02, 0.5
+NEAR_M = 0.3
+REMEMBERED_TICKS = 1000
 
 
 def see(robot: Robot) -> None:
@@ -16,6 +24,18 @@ def see(robot: Robot) -> None:
                 _lay(robot, body.number, body.tick, peer.place(complex(body.x_m, body.y_m)))
     for number in robot.bodies.keys() & known.keys():
         del robot.bodies[number]
+
+
+def bump(robot: Robot, wanted: complex, moved: complex) -> None:
+    """Remember a body where a robot has not come as far as it wanted, and knows of nobody and no wall there."""
+    robot.bumps = [one for one in robot.bumps if robot.tick - one[0] <= REMEMBERED_TICKS]
+    if abs(wanted) < LEAST_M or (moved / unit(wanted)).real > HELD_UP * abs(wanted):
+        return
+    place = robot.here + robot.body_m * unit(wanted)
+    bodies = [peer.here for peer in robot.peers.known.values()] + robot.fallen
+    at_wall = len(robot.hits) and float(abs(robot.hits - place).min()) < robot.body_m / 2
+    if not at_wall and all(abs(body - place) > NEAR_M for body in bodies):
+        robot.bumps.append((robot.tick, place))
 
 
 def told(robot: Robot) -> tuple[Body, ...]:

@@ -22,9 +22,11 @@ STRAIGHT_RAD = 1.8 * math.pi  # larger angles are noise around zero
 ALIKE_RAD = 0.01
 LOST_M = 0.2  # a leader that finds no wall so near to where it was before does not know its wall any more
 BODIES_M = 0.36
-HOLD_M, HOLD_MOST_M = 0.5, 0.6  # a leader goes no farther from its wall; around a dead body a little
+HOLD_M, HOLD_MOST_M = 0.5, 0.64  # a leader goes no farther from its wall; around a dead body a little
 FARTHEST_M = 0.6  # from its wall, for who comes near to it again while it goes
-ASIDE_DEG = (0, 20, 40, 60, 80, 100)
+ASIDE_DEG = (0, 20, 40, 60, 80, 100, -20, -40, -60)
+FALLEN = 0.04 * np.exp(2j * math.pi / 8 * np.arange(8))  # a dead robot is passed at a little more than a wall
+INSIDE_M, ROOM_M, LEAST_M = 0.38, 0.28, 0.1  # between a wall and a dead body there is room for a robot, or not
 APART_M, TOGETHER_M = 0.34, 0.25
 REST_M, NEARER_M, TRY_TICKS = 0.025, 0.08, 12
 RESTED_M = 0.08
@@ -65,7 +67,7 @@ def _awaits(robot: Robot) -> bool:
 
 
 def _go(robot: Robot, way: complex, hand: Side) -> complex:
-    """That way along the wall, or one near to it, away from the wall, that links and others allow."""
+    """That way along the wall, or one near to it, away from the wall if it can be, that links and others allow."""
     inward = -1 if hand == "left" else 1
     for aside_deg in ASIDE_DEG:
         some = way * cmath.exp(1j * inward * math.radians(aside_deg))
@@ -102,23 +104,36 @@ def _around(robot: Robot) -> tuple[np.ndarray, int | None]:
 
 
 def along_wall(robot: Robot, hand: Side) -> complex:
-    """A step along the wall on one hand, around robots that stand there."""
+    """A step along the wall on one hand, around robots that stand there, and around the dead or behind them."""
     others = [
         peer.here
         for peer in robot.peers.known.values()
         if peer.beacon.follows_nobody and abs(peer.here - robot.here) < BODIES_M
     ]
+    keep_m = _keep_m(robot)
+    for body in robot.fallen:
+        if abs(body - robot.here) < HOLD_M and len(robot.hits):
+            gap_m = float(np.abs(robot.hits - body).min())
+            if gap_m >= INSIDE_M:
+                keep_m = min(keep_m, max(LEAST_M, gap_m - ROOM_M))
+            else:
+                keep_m = robot.parameters.obstacle_m
+                others += (body + FALLEN).tolist()
     walls = np.concatenate((robot.hits, np.array(others, dtype=complex)))
-    return roll(robot.here, walls, robot.contact, hand, _keep_m(robot), robot.step_m)[0]
+    return roll(robot.here, walls, robot.contact, hand, keep_m, robot.step_m)[0]
 
 
 def _stays_at_wall(robot: Robot, way: complex) -> bool:
     """Is it still beside its wall after that way, or at least no farther from it?"""
     there = robot.here + way
     wall = robust.next_contact(robot, there) if robot.is_robust else robot.contact
-    barred = any(abs(body - robot.here) < HOLD_M for body in robot.fallen)
-    hold_m = HOLD_MOST_M if barred else HOLD_M
+    hold_m = HOLD_MOST_M if _is_barred(robot) else HOLD_M
     return abs(there - wall) <= max(hold_m, abs(robot.here - robot.contact))
+
+
+def _is_barred(robot: Robot) -> bool:
+    """Does a dead body lie near by?"""
+    return any(abs(body - robot.here) < HOLD_M for body in robot.fallen)
 
 
 def _keep_m(robot: Robot) -> float:

@@ -13,7 +13,7 @@ from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import Side
 from swarm_agent.sweep.robot import Robot
 
-BODY_M = 0.03  # room that robots leave between each other
+BODY_M, FALLEN_M = 0.03, 0.08  # room that robots leave between each other, and to the dead, who may have moved
 WALL_M = 0.13  # and to walls
 TURNS_DEG = (0, 30, -30, 60, -60, 85, -85)
 LEAST_M = 0.004
@@ -28,8 +28,10 @@ def may(robot: Robot, way: complex, holds: bool = True, wall_m: float = WALL_M) 
         wall_there_m = float(np.abs(robot.hits - there).min())
         if wall_there_m < wall_m and wall_there_m < float(np.abs(robot.hits - robot.here).min()):
             return False
-    room_m = robot.body_m + BODY_M
-    return all(abs(body - there) >= min(room_m, abs(body - robot.here)) for body in _bodies(robot))
+    for body, room_m in _bodies(robot):
+        if abs(body - there) < min(robot.body_m + room_m, abs(body - robot.here)):
+            return False
+    return True
 
 
 def best(robot: Robot, way: complex, holds: bool = True, wall_m: float = WALL_M) -> complex:
@@ -75,8 +77,9 @@ def _linked(robot: Robot) -> Iterator[tuple[Peer, Side]]:
             yield peer, side
 
 
-def _bodies(robot: Robot) -> Iterator[complex]:
-    """Where others are, and where the dead lie."""
+def _bodies(robot: Robot) -> Iterator[tuple[complex, float]]:
+    """Where others are, and where the dead lie, and how much room to leave to them."""
     for peer in robot.peers.known.values():
-        yield peer.here
-    yield from robot.fallen
+        yield peer.here, BODY_M
+    for place in robot.fallen:
+        yield place, FALLEN_M

@@ -169,7 +169,7 @@ def is_ours(robot: Robot, peer: Peer) -> bool:
     beacon, main = peer.beacon, robot.graph.main
     if beacon.epoch != robot.epoch:
         return False
-    if beacon.role == "anchor":
+    if beacon.role == "anchor" or beacon.stage == "forming":
         return True
     return beacon.role in ("leader", "centre") and main is not None and beacon.line == main.line
 

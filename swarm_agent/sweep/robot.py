@@ -42,6 +42,8 @@ class Robot:
         self.dead: set[int] = set()
         self.bodies: dict[int, tuple[int, complex]] = {}
         """When each of the dead was last heard, and where its body lies."""
+        self.bumps: list[tuple[int, complex]] = []
+        """When and where it met a body of which it did not know."""
         self.gone: set[int] = set()
         """Numbers of lines that have dissolved where they stood."""
         self.events: list[str] = []
@@ -94,7 +96,7 @@ class Robot:
     @property
     def fallen(self) -> list[complex]:
         """The places of the bodies of the dead."""
-        return [place for _, place in self.bodies.values()]
+        return [place for _, place in (*self.bodies.values(), *self.bumps)]
 
     def wall_side(self) -> Side:
         """Of a leader: the side of its wall."""
