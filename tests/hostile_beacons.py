@@ -7,7 +7,7 @@ import msgspec
 from hypothesis import strategies as st
 
 from swarm_agent.graph_copy import Delta, Edge, Moving, Version, Vertex
-from swarm_agent.sweep.radio import SIDES, Beacon, Flow, Measured
+from swarm_agent.sweep.radio import SIDES, Beacon, Body, Flow, Measured
 
 NUMBERS = st.sampled_from((-1, 0, 1, 2, 3, 4, 5, 6, 7, 9999))
 COUNTS = st.sampled_from((0, 1, 2, 3, 7, 9_999, 10_000))
@@ -70,6 +70,7 @@ FIELDS: dict[str, st.SearchStrategy[Any]] = {
     "couriers": st.lists(NUMBERS, **FEW).map(tuple),
     "hand": st.sampled_from(SIDES),
     "dead": st.lists(NUMBERS, **FEW).map(tuple),
+    "bodies": st.lists(st.builds(Body, NUMBERS, TICKS, FLOATS, FLOATS), **FEW).map(tuple),
     "gone": st.lists(NUMBERS, **FEW).map(tuple),
     "version": VERSIONS,
     "delta": DELTAS,

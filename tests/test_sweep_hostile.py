@@ -53,6 +53,7 @@ def moments() -> list[Moment]:
 
     for line, searched, rings_m, faults, last_tick in (
         (5, False, (NOSE,), (), 180),
+        (6, False, (NOSE,), (), 40),
         (3, True, (HALL,), (), 60),
         (3, False, (HALL,), (PlannedFault(5.0, "kill", ("r3",)),), 60),
     ):

@@ -34,7 +34,7 @@ def led(robot: Robot, degrees: float) -> complex:
     turn = cmath.exp(1j * math.radians(degrees))
     ways = {side: robot.contact, OTHER[side]: -1 / turn if side == "left" else turn}
     none = np.zeros(0, dtype=bool)
-    return gait.lead(robot, Outlook(np.zeros(0, dtype=complex), none, none, none, ways))
+    return gait.lead(robot, Outlook(np.zeros(0, dtype=complex), none, none, none, ways), gait.Strides())
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from tests.sweep_play import Play, column, in_line, lined_up, play
 from wire.scenario import Latency, Loss, RadioSection, Range
 
 DETECT_M = 0.7
-MET_TICK, STIRRED_TICK, SETTLED_TICKS = 30, 80, 50
+MET_TICK, STIRRED_TICK, SETTLED_TICKS = 30, 80, 100
 DETOUR_M = 0.25  # who stands far behind a link has no business in it
 DEAD_TICKS = 40
 """So many frames in a row are never lost here."""

@@ -114,10 +114,10 @@ def test_who_waits_for_an_answer_stands_for_a_while_and_then_comes_nearer():
     decide(robot, look(robot))
     assert robot.meets == 7
     robot.met_tick = NOW
-    assert gait.lead(robot, look(robot)) == 0
+    assert gait.lead(robot, look(robot), gait.Strides()) == 0
     robot.met_tick = NOW - 100
     robot.angle_rad = 0.0
-    assert gait.lead(robot, look(robot)) != 0
+    assert gait.lead(robot, look(robot), gait.Strides()) != 0
 
 
 def test_nothing_merges_over_ground_that_neither_line_sees():

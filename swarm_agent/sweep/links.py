@@ -237,6 +237,21 @@ def _adopt_line(robot: Robot, peer: Peer, side: Side) -> None:
         robot.line, robot.since = beacon.line, beacon.since
 
 
+def _give_up(robot: Robot, side: Side) -> str:
+    """A neighbour fell silent that did not hold it yet, or any more. Who does?"""
+    for before in [one for one, of in robot.old.items() if of == side and not _is_free_of(robot, one)]:
+        if robot.peer(before) is not None:
+            _relink(robot, side, before)
+            return ""
+    other = robot.neighbour(OTHER[side])
+    if robot.beside[OTHER[side]] == WALL or (other is not None and not _is_free_of(robot, other.number)):
+        silent, robot.beside[side] = robot.beside[side], NOBODY
+        return f"r{silent} is silent"
+    robot.dead.discard(robot.beside[side])  # it is out of reach, and not dead
+    robot.become("reserve")
+    return ""
+
+
 def _holds_without(robot: Robot, side: Side) -> bool:
     """Would the line hold if its neighbour on that side were gone?"""
     peer = robot.neighbour(side)
@@ -262,9 +277,7 @@ def _lose(robot: Robot, side: Side) -> str:
     if robot.is_robust and robust_line.close_ranks(robot, side, lost):
         return ""
     if lost is not None and robot.number not in (lost.beacon.left, lost.beacon.right):
-        robot.become("reserve")  # it did not hold us when it was last heard: it is out of reach, and not dead
-        robot.dead.discard(number)
-        return ""
+        return _give_up(robot, side)
     if lost is not None:
         held = robot.needed_tick[side] < lost.tick
         beyond = robot.peer(lost.beacon.beside(side))
