@@ -211,7 +211,7 @@ class SweepLine(Behaviour):
             robot.epoch,
             robot.anchor,
             robot.couriers,
-            self.reserve.hand,
+            self.reserve.round.hand,
             tuple(sorted(robot.dead)),
             fallen.told(robot),
             tuple(sorted(robot.gone)),

@@ -14,9 +14,15 @@ MIDDLE = 0.25  # of a link, to both sides of its middle: there one may go throug
 Link = tuple[Peer, Peer]
 
 
-def back_across(robot: Robot) -> complex | None:
-    """A step to behind the nearest link; None for who is there, or cannot go through."""
+def back_across(robot: Robot, only_main: bool) -> complex | None:
+    """A step to behind the nearest link; None for who is there, or cannot go through.
+
+    `only_main`: not through lines that stand, for it has just gone through one of these.
+    """
+    main = robot.graph.main
     links = [link for link in _links(robot) if _far_m(robot, link) < NEAR_M]
+    if only_main:
+        links = [link for link in links if main is not None and link[0].beacon.line == main.line]
     if not links:
         return None
     left, right = min(links, key=lambda link: _far_m(robot, link))

@@ -258,7 +258,8 @@ def _to_wall(robot: Robot) -> complex | None:
 def _stand_beside(robot: Robot, first: Peer) -> complex:
     """Go to the place at the same wall on the right of the first leader, and be the second one there."""
     right = -1j * unit(first.here - first.wall)
-    wall = nearest(robot.hits[np.abs(robot.hits - first.wall) < BESIDE_MOST_M], robot.here)  # not that opposite
+    beside = robot.hits[np.abs(robot.hits - first.wall) < BESIDE_MOST_M]  # and not at a wall opposite
+    wall = nearest(beside, robot.here)
     at_wall = wall is not None and abs(wall - robot.here) < WALL_MOST_M
     away = robot.here - first.here
     if at_wall and abs(away) < BESIDE_MOST_M and (away / right).real > 0.1:

@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from swarm_agent.sweep.geometry import one_wall, ray_ends
-from swarm_agent.sweep.reserve import travel
 from swarm_agent.sweep.robot import Robot
+from swarm_agent.sweep.travel import travel
 
 SPAN_RAD = math.radians(185)  # of a wall all around; a straight one is seen over 140 degrees from beside it
 MOST_M = 12.0

@@ -3,6 +3,8 @@
 Nothing is decided before the whole line has stood still for so long that all news is from then.
 """
 
+import math
+
 import networkx
 
 from swarm_agent.graph_clear import next_vertex
@@ -13,6 +15,7 @@ from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import GO_HOME, NOBODY, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot
 
+TURNED_RAD = 1.5 * math.pi
 TOLD_TICKS = 20  # for so long a new end of a line says why it is one
 
 
@@ -36,7 +39,7 @@ def decide(robot: Robot, outlook: Outlook) -> None:
 def _end_of_line(robot: Robot) -> None:
     """The right leader dissolves a line that has nothing ahead."""
     told = robot.told["left"]
-    robot.halt = not robot.open and told is not None and not told.open
+    robot.halt = not robot.open and told is not None and not told.open and not _is_turned_over(robot)
     if robot.halt and robot.is_quiet:
         robot.events.append("dissolve")
         if robot.is_main:
@@ -45,6 +48,12 @@ def _end_of_line(robot: Robot) -> None:
         else:
             robot.gone.add(robot.line)
         robot.become("reserve", "gone")
+
+
+def _is_turned_over(robot: Robot) -> bool:
+    """Has a line of two its back where it takes its front to be? Then one of its angles is nearly all around."""
+    told = robot.told["left"]
+    return robot.count == 2 and robot.angle_rad + told.angle_rad > TURNED_RAD
 
 
 def choose_next(robot: Robot) -> None:
@@ -90,7 +99,8 @@ def _meet(robot: Robot, outlook: Outlook, met: int) -> bool:
         robot.meets, robot.old[peer.number] = peer.number, side
         if met != peer.number:
             robot.met_tick = robot.tick
-        if named or (robot.is_main and beacon.meets == robot.number and _is_first(robot, side)):
+        answered = named and met == peer.number  # else it has not heard yet that it was given up
+        if answered or (robot.is_main and beacon.meets == robot.number and _is_first(robot, side)):
             _become_one(robot, peer, side)
             return True
     return False

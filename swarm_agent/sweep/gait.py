@@ -26,8 +26,8 @@ HOLD_M, HOLD_MOST_M = 0.5, 0.64  # a leader goes no farther from its wall; aroun
 FARTHEST_M = 0.6  # from its wall, for who comes near to it again while it goes
 ASIDE_DEG = (0, 20, 40, 60, 80, 100, -20, -40, -60)
 FALLEN = 0.04 * np.exp(2j * math.pi / 8 * np.arange(8))  # a dead robot is passed at a little more than a wall
-INSIDE_M, ROOM_M, LEAST_M = 0.38, 0.28, 0.1  # between a wall and a dead body there is room for a robot, or not
-APART_M, TOGETHER_M = 0.34, 0.25
+INSIDE_M, ROOM_M, LEAST_M = 0.38, 0.28, 0.1  # there is room for a robot between a wall and a dead one, or not
+APART_M, TOGETHER_M, BACK_M = 0.34, 0.25, 0.5
 REST_M, NEARER_M, TRY_TICKS = 0.025, 0.08, 12
 RESTED_M = 0.08
 REST_TICKS = 10
@@ -143,7 +143,13 @@ def _keep_m(robot: Robot) -> float:
 
 
 def _go_back(robot: Robot, side: Side, other_rad: float) -> complex:
-    """Back along the wall, if that shortens the line, and not much less than the other end's way would."""
+    """Back along the wall, if that shortens the line, and not much less than the other end's way would.
+
+    Two leaders at one place of a wall stay there: who went on would turn the line over, front to back.
+    """
+    other = robot.neighbour(OTHER[side])
+    if other is not None and other.beacon.role == "leader" and abs(other.wall - robot.contact) < BACK_M:
+        return 0j
     if robot.angle_rad <= math.pi / 2 or robot.angle_rad < other_rad - 0.3:
         return 0j
     return _go(robot, along_wall(robot, OTHER[side]), OTHER[side])

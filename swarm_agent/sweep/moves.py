@@ -13,7 +13,10 @@ from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import Side
 from swarm_agent.sweep.robot import Robot
 
-BODY_M, FALLEN_M = 0.03, 0.08  # room that robots leave between each other, and to the dead, who may have moved
+BODY_M, FALLEN_M = (
+    0.03,
+    0.08,
+)  # room that robots leave between each other, and to the dead, who may have moved
 WALL_M = 0.13  # and to walls
 TURNS_DEG = (0, 30, -30, 60, -60, 85, -85)
 LEAST_M = 0.004

@@ -8,13 +8,14 @@ import numpy as np
 
 from swarm_agent.sweep.across import back_across
 from swarm_agent.sweep.filling import fill
-from swarm_agent.sweep.geometry import NOTHING, clearance_m, nearest, roll, unit
+from swarm_agent.sweep.geometry import clearance_m, unit
 from swarm_agent.sweep.knots import is_knotted
 from swarm_agent.sweep.links import BARELY_M, ask_in
-from swarm_agent.sweep.moves import may, toward
+from swarm_agent.sweep.moves import toward
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import BARRIER, NOBODY, OTHER, Side
+from swarm_agent.sweep.radio import NOBODY, OTHER, Side
 from swarm_agent.sweep.robot import UNRANKED, Robot
+from swarm_agent.sweep.travel import Round
 
 ROOM_M = {"leader": 0.4, "reserve": 0.26, "free": 0.26}
 ROOM_ELSE_M = 0.28
@@ -25,28 +26,28 @@ BODY_WIDTH_M = 0.13
 CRUMB_M = 0.04
 BARRED_TICKS = 40
 DETOUR_M = 0.2  # who stood far behind would bend the line around walls that it has passed
-TRAVEL_M, TRAVEL_KEEP_M = 0.2, 0.25
+KEPT_M = 0.2
 MOST_TAIL = 50
-STALLED_M, STALLED_TICKS = 0.3, 60
+STALLED_TICKS = 60
 WAIT_TICKS = 3
 DEPART_M = 0.5
 REFUSED_TICKS = 25
 
 
 class Reserve:
-    """What a robot remembers while it is on no line. `hand`: on which side it keeps walls when it travels."""
+    """What a robot remembers while it is on no line."""
 
     def __init__(self) -> None:
-        self.hand: Side = "left"
+        self.round = Round()
         self.underway = self.gone_round = False
         self._depart_tick = 0
         self._asked: tuple[bool, int, int] = (False, 0, 0)
-        self._asked_tick = self._place_tick = self._refusals = self._again_tick = 0
-        self._place = 0j
+        self._asked_tick = self._refusals = self._again_tick = 0
 
     def begin(self, robot: Robot, hand: Side = "left") -> None:
         """It has just left a line, or heard that the team begins again."""
-        self.hand, self.underway, self.gone_round, self._depart_tick = hand, False, False, 0
+        self.round = Round(hand)
+        self.underway, self.gone_round, self._depart_tick = False, False, 0
         robot.contact = robot.nearest_wall() or robot.here
 
     def refused(self, robot: Robot) -> None:
@@ -64,7 +65,8 @@ class Reserve:
         room = _make_room(robot, robot.is_robust and self._asked[0])
         if room:
             return room
-        if (across := back_across(robot)) is not None:
+        across = back_across(robot, self.round.goes_through(robot))
+        if across is not None:
             return across
         if leader is None:
             return self._carry_word(robot) if carries else self._travel(robot)
@@ -73,15 +75,6 @@ class Reserve:
             if way is not None:
                 return way
         return _follow(robot, leader)
-
-    def _go_round(self, robot: Robot) -> complex:
-        """Travel; who meets another and comes no farther turns round, couriers last."""
-        if abs(robot.here - self._place) > STALLED_M:
-            self._place, self._place_tick = robot.here, robot.tick
-        patience = STALLED_TICKS * (4 if robot.number in robot.couriers else 1)
-        if robot.tick - self._place_tick > patience:
-            self.hand, self._place_tick = OTHER[self.hand], robot.tick
-        return travel(robot, self.hand)
 
     def _carry_word(self, robot: Robot) -> complex:
         """A courier goes round the walls from the anchor, until it meets the other one, or the anchor."""
@@ -92,7 +85,7 @@ class Reserve:
             self.gone_round = True
         elif self.gone_round and any(_is_in_sight(robot, peer) for peer in met):
             robot.couriers = ()
-        return self._go_round(robot)
+        return self.round.way(robot)
 
     def _depart(self, robot: Robot) -> complex:
         """Couriers begin at the wall of the anchor, on each side of it, else they might go the same way."""
@@ -102,7 +95,7 @@ class Reserve:
         if anchor is None or stalled:
             self.underway, robot.contact = True, robot.nearest_wall() or robot.contact
             return 0j
-        ahead = unit(anchor.wall - anchor.here) * (-1j if self.hand == "left" else 1j)
+        ahead = unit(anchor.wall - anchor.here) * (-1j if self.round.hand == "left" else 1j)
         place = anchor.here + DEPART_M * ahead
         if anchor.wall != anchor.here and abs(place - robot.here) < DEPART_M / 2:
             self.underway, robot.contact = True, anchor.wall
@@ -111,7 +104,7 @@ class Reserve:
     def _travel(self, robot: Robot) -> complex:
         if robot.graph.main is None and not robot.graph.lines() and not robot.anchor:
             return 0j
-        return self._go_round(robot)
+        return self.round.way(robot)
 
     def _come_in(self, robot: Robot, beside: Peer) -> complex | None:
         """Ask into a link beside that robot, if the line wants one more; or go to where that can be done."""
@@ -174,24 +167,6 @@ def is_ours(robot: Robot, peer: Peer) -> bool:
     return beacon.role in ("leader", "centre") and main is not None and beacon.line == main.line
 
 
-def travel(robot: Robot, hand: Side) -> complex:
-    """A step along walls and the backs of lines, which stay on one hand."""
-    bodies = np.array(robot.fallen, dtype=complex)
-    walls = np.concatenate((robot.hits, _lines(robot), bodies))
-    if not len(walls):
-        return toward(robot, robot.contact)
-    near = walls[np.abs(walls - robot.contact) <= TRAVEL_M]
-    robot.contact = nearest(near if len(near) else walls, robot.here)
-    keep_m = max(TRAVEL_KEEP_M, min(abs(robot.contact - robot.here) - 0.3 * robot.step_m, 0.45))
-    way, contact = roll(robot.here, walls, robot.contact, hand, keep_m, robot.step_m)
-    for size in (1.0, 0.5):
-        if may(robot, way * size, holds=False, wall_m=0.1):
-            if size == 1.0:
-                robot.contact = contact
-            return way * size
-    return toward(robot, robot.here + way)
-
-
 def _make_room(robot: Robot, near: bool) -> complex:
     """Away from who is too near; lines have the right of way."""
     push = 0j
@@ -230,7 +205,7 @@ def _choose(robot: Robot) -> Peer | None:
     kept = next((one for one in reach if one[2] is now), None)
     if kept is not None and (kept[0] == 0 or kept[0] < robot.rank):
         near = min((far_m for rank, far_m, _ in reach if rank == 0), default=np.inf)
-        limit_m = kept[1] - TRAVEL_M if kept[0] == 0 else NEAR_M
+        limit_m = kept[1] - KEPT_M if kept[0] == 0 else NEAR_M
         if near >= limit_m:
             return now
     elif now is not None and is_ours(robot, now) and abs(now.here - robot.here) <= FAR_M:
@@ -286,17 +261,3 @@ def _follow(robot: Robot, leader: Peer) -> complex:
     if abs(goal - robot.here) < robot.step_m and len(robot.crumbs) > 1:
         del robot.crumbs[0]
     return toward(robot, goal)
-
-
-def _lines(robot: Robot) -> np.ndarray:
-    """Places along the links of lines, and between leaders and their walls."""
-    places = []
-    for peer in robot.peers.known.values():
-        if peer.beacon.role not in BARRIER:
-            continue
-        right = robot.peer(peer.beacon.right)
-        if right is not None:
-            places.append(peer.here + np.linspace(0, 1, 12) * (right.here - peer.here))
-        if peer.beacon.role == "leader":
-            places.append(peer.here + np.linspace(0, 1, 5) * (peer.wall - peer.here))
-    return np.concatenate(places) if places else NOTHING
