@@ -80,6 +80,12 @@ def test_of_a_run_of_no_ticks_nothing_is_known():
     assert summary["claim"] == "none" and summary["clear_time_s"] is None
 
 
+def test_a_death_that_opens_no_barrier_loses_only_what_somebody_had_in_sight_as_a_retreat_does():
+    """Source: specs of mission clear, 4.4: `kill` is what a death loses that opened the barrier."""
+    summary = folded(tick(1, lost_m2=0.4, given_up_m2=0.4, verbs=("kill",)))
+    assert summary["recontaminated_m2"] == lost(retreat=0.4) and summary["breaches"] == 0
+
+
 def test_ground_lost_in_a_tick_with_a_death_is_lost_by_it_whatever_else_happened():
     releasing = {"r2": Standing(releasing=True)}
     summary = folded(tick(1, lost_m2=3.0, given_up_m2=1.0, said=releasing, verbs=("kill",)))
@@ -176,7 +182,7 @@ def test_a_run_is_folded_into_a_summary_and_its_curve(tmp_path):
     metrics = summarise(tmp_path, given, "clear", 1.0, [])["metrics"]
     assert metrics["claim"] == "done" and metrics["splits"] == 1 and not metrics["cleared"]
     assert metrics["contaminated_area_m2"] == run.facts[-1].clearing.contaminated_m2
-    assert metrics["recontaminated_m2"]["kill"] == run.facts[20].clearing.lost_m2 > 0
+    assert metrics["recontaminated_m2"]["retreat"] >= run.facts[20].clearing.lost_m2 > 0
     total_m2 = sum(one.clearing.lost_m2 for one in run.facts)
     assert sum(metrics["recontaminated_m2"].values()) == pytest.approx(total_m2, abs=1e-5)
     curve = np.load(tmp_path / "clear.npz")["curve"]

@@ -2,8 +2,9 @@
 
 Source: specs of mission clear, section 4: contaminated is where an intruder of any speed may be; a plan is
 clear when less than 1e-7 m2 is. What becomes contaminated again is counted by its cause. In a tick in which a
-process was killed or stopped, all of it is `kill`; else, in one in which some living robot last reported that
-it releases, all is `release`; else what some robot had in sight until then, or what lay ahead of lines and
+process was killed or stopped, all of it is `kill` if a barrier opened, that is: if more was lost than what
+was in sight until then; else, in one in which some living robot last reported that it releases, all is
+`release`; else what some robot had in sight until then, or what lay ahead of lines and
 was held by none, is `retreat`, and the rest is `breach`: more than rounding of it in a tick is one of
 `breaches`.
 
@@ -151,7 +152,8 @@ class ClearMetrics:
             self._clear_tick = facts.tick
         if clearing.lost_m2 <= NOTHING_M2:
             return
-        if any(fault.verb in ("kill", "freeze") for fault in facts.faults):
+        opened = clearing.lost_m2 - clearing.given_up_m2 > self._breach_m2
+        if opened and any(fault.verb in ("kill", "freeze") for fault in facts.faults):
             self._lost_m2["kill"] += clearing.lost_m2
         elif any(one.releasing for one in self._standing.values()):
             self._lost_m2["release"] += clearing.lost_m2
