@@ -2,15 +2,28 @@
 
 import cmath
 import math
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
-from swarm_agent.sweep.geometry import NOTHING, clearance_m, nearest, roll, shortened, turn_rad, unit
+from swarm_agent.sweep.geometry import (
+    NOTHING,
+    clearance_m,
+    crossed,
+    crosses,
+    nearest,
+    roll,
+    shortened,
+    turn_rad,
+    unit,
+)
 from tests.sweep_builders import wall
 
 KEEP_M, STEP_M = 0.25, 0.05
+PLACES = st.builds(complex, st.integers(-9, 9), st.integers(-9, 9))
 SLACK_M = 0.012  # 0.3 of a step of 5 degrees, and the rounding that roll allows itself
 HANDS = pytest.mark.parametrize("hand", ["left", "right"])
 
@@ -136,3 +149,24 @@ def test_a_way_that_is_cut_short_keeps_its_direction():
     assert shortened(3 + 4j, 1.0) == pytest.approx(0.6 + 0.8j)
     assert shortened(0.3 + 0.4j, 1.0) == 0.3 + 0.4j
     assert unit(-5j) == -1j and unit(0j) == 1
+
+
+def in_a_row(*places: complex) -> bool:
+    """Are three of some places on a straight line?"""
+    return any(
+        ((one - first) * (other - first).conjugate()).imag == 0
+        for first, one, other in combinations(places, 3)
+    )
+
+
+@given(start=PLACES, ends=st.lists(PLACES, min_size=1, max_size=12), other=st.tuples(PLACES, PLACES))
+def test_which_of_many_ways_cross_another_is_as_it_is_for_each_of_them(start, ends, other):
+    ends = [end for end in ends if not in_a_row(start, end, *other)]
+    assume(ends)
+    expected = [crosses(start, end, *other) for end in ends]
+    assert crossed(start, np.array(ends), *other).tolist() == expected
+
+
+def test_ways_that_only_touch_do_not_cross():
+    ends = np.array([1j, 2j, -1j, 1 + 2j, 2 + 1j, 0j])
+    assert crossed(0j, ends, -1 + 1j, 1 + 1j).tolist() == [False, True, False, True, False, False]

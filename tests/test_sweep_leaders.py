@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from swarm_agent.sweep import gait
+from swarm_agent.sweep.events import decide
 from swarm_agent.sweep.outlook import Outlook
-from swarm_agent.sweep.radio import OTHER, WALL, Side
+from swarm_agent.sweep.radio import GO_BACK, GO_HOME, OTHER, WALL, Side
 from swarm_agent.sweep.robot import Robot
 from tests.sweep_builders import a_robot, flow, meets, sees_walls, stands, wall
 
@@ -24,6 +25,12 @@ def a_leader(side: Side, other_deg: float = 90.0) -> Robot:
     return robot
 
 
+def nothing_ahead(ways: dict[Side, complex]) -> Outlook:
+    """An outlook without any ray."""
+    none = np.zeros(0, dtype=bool)
+    return Outlook(np.zeros(0, dtype=complex), none, none, none, ways)
+
+
 def led(robot: Robot, degrees: float) -> complex:
     """The way of a leader whose neighbour stands at that angle from the way along its wall.
 
@@ -33,8 +40,7 @@ def led(robot: Robot, degrees: float) -> complex:
     side = robot.wall_side()
     turn = cmath.exp(1j * math.radians(degrees))
     ways = {side: robot.contact, OTHER[side]: -1 / turn if side == "left" else turn}
-    none = np.zeros(0, dtype=bool)
-    return gait.lead(robot, Outlook(np.zeros(0, dtype=complex), none, none, none, ways), gait.Strides())
+    return gait.lead(robot, nothing_ahead(ways), gait.Strides())
 
 
 @pytest.mark.parametrize(
@@ -129,3 +135,98 @@ def test_a_leader_stops_where_its_link_would_be_wider_than_both_see():
         peer = meets(robot, 3, cmath.rect(apart_m, math.radians(10)))
         way = led(robot, 170)
         assert (abs(peer.here - way) > apart_m + 1e-6) == widens
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("order", [GO_BACK, GO_HOME])
+def test_a_leader_goes_back_along_its_wall_where_that_shortens_the_line(side, order):
+    robot = a_leader(side, 120.0)
+    robot.order = order
+    ahead = -1 if side == "left" else 1
+    assert led(robot, 120).real * ahead < -0.02
+    assert led(robot, 80) == 0
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize(
+    ("apart_m", "role", "goes"),
+    [(0.45, "leader", False), (0.55, "leader", True), (0.45, "centre", True)],
+)
+def test_two_leaders_at_one_place_of_a_wall_go_back_no_farther(side, apart_m, role, goes):
+    """Who went on would turn the line over, front to back."""
+    robot = a_leader(side, 120.0)
+    robot.order = GO_BACK
+    behind = 1 if side == "left" else -1
+    meets(robot, 3, behind * apart_m + 0.3j, role, wall_y_m=-0.55)
+    assert bool(led(robot, 120)) == goes
+
+
+def strides(robot: Robot, ways: list[complex], taken: gait.Strides) -> list[complex]:
+    """What a leader takes of some ways, one a tick."""
+    gone = []
+    for way in ways:
+        gone.append(taken.taken(robot, way))
+        robot.peers.here += gone[-1]
+    return gone
+
+
+TO_AND_FRO = [0.03 + 0j, -0.03 + 0j] * 10
+
+
+def neighbour_moves(robot: Robot) -> None:
+    meets(robot, 3, 1j + gait.RESTED_M)
+
+
+def neighbour_trembles(robot: Robot) -> None:
+    meets(robot, 3, 1j + gait.RESTED_M / 2)
+
+
+def order_changes(robot: Robot) -> None:
+    robot.order = GO_BACK
+
+
+def comes_close(robot: Robot) -> None:
+    robot.close = True
+
+
+@pytest.mark.parametrize(
+    ("what", "goes"),
+    [(neighbour_moves, True), (order_changes, True), (comes_close, True), (neighbour_trembles, False)],
+)
+def test_a_leader_that_goes_to_and_fro_rests_until_its_neighbour_or_its_order_is_another(what, goes):
+    """A line can decide nothing before all of it stands still."""
+    robot, taken = a_leader("left"), gait.Strides()
+    meets(robot, 3, 1j)
+    gone = strides(robot, TO_AND_FRO, taken)
+    assert all(gone[: gait.TRY_TICKS]) and not any(gone[gait.TRY_TICKS :])
+    what(robot)
+    assert bool(taken.taken(robot, 0.03 + 0j)) == goes
+
+
+def test_a_leader_that_comes_on_however_slowly_does_not_rest():
+    robot, taken = a_leader("left"), gait.Strides()
+    meets(robot, 3, 1j)
+    assert all(strides(robot, [0.01 + 0j] * 60, taken))
+    assert all(strides(robot, [0.05 + 0j, -0.03 + 0j] * 30, taken))
+
+
+def test_a_leader_that_stood_for_a_while_has_not_gone_to_and_fro():
+    robot, taken = a_leader("left"), gait.Strides()
+    strides(robot, [0j] * 50, taken)
+    assert all(strides(robot, [0.03 + 0j] * 5, taken))
+
+
+@pytest.mark.parametrize(
+    ("count", "left_deg", "right_deg", "dissolves"),
+    [(1, 100, 100, True), (1, 200, 100, False), (1, 0, 269, True), (1, 0, 275, False), (2, 200, 100, True)],
+)
+def test_a_line_of_two_that_has_turned_over_does_not_claim_to_be_closed(
+    count, left_deg, right_deg, dissolves
+):
+    """Its back is where it takes its front to be, and so is nothing ahead that it does not see."""
+    robot = a_leader("right")
+    robot.tick, robot.open, robot.angle_rad = 50, False, math.radians(right_deg)
+    robot.told["left"] = flow(count=count, since=48, open=False, angle_rad=math.radians(left_deg))
+    decide(robot, nothing_ahead({"left": 1j, "right": robot.contact}))
+    assert robot.halt == dissolves or robot.role == "reserve"
+    assert (robot.events == ["dissolve"]) == dissolves

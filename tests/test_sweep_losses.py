@@ -3,7 +3,8 @@
 import pytest
 
 from swarm_agent.sweep import links
-from swarm_agent.sweep.radio import NOBODY, WALL
+from swarm_agent.sweep.radio import NOBODY, WALL, Role
+from swarm_agent.sweep.robot import Robot
 from tests.sweep_builders import a_robot, meets, stands
 from tests.sweep_play import MET_TICK, Play, column, in_line, lined_up, play
 from wire.fields import Point
@@ -97,3 +98,45 @@ def test_a_gap_that_may_have_been_open_for_one_tick_is_not_closed_over(needed_ti
     robot.needed_tick["right"] = needed_tick
     assert links.tend(robot) == trouble
     assert robot.beside["right"] == beside
+
+
+def whose_new_neighbour_falls_silent(role: Role, left: int) -> Robot:
+    """A robot with somebody new on its right that had not linked to it yet, and has been silent since."""
+    robot = a_robot(2)
+    stands(robot, role, left, 3)
+    robot.peers.lost[3] = meets(robot, 3, -0.4j, left=5, right=4)
+    del robot.peers.known[3]
+    if left != WALL:
+        meets(robot, left, 0.4j, left=9, right=2)
+    return robot
+
+
+@pytest.mark.parametrize(("role", "left"), [("leader", WALL), ("centre", 1)])
+def test_who_is_left_by_a_new_neighbour_goes_back_to_the_one_before_that_still_holds_it(role, left):
+    robot = whose_new_neighbour_falls_silent(role, left)
+    robot.old[5] = "right"
+    meets(robot, 5, -0.5j, left=2, right=WALL)
+    assert links.tend(robot) == ""
+    assert robot.beside == {"left": left, "right": 5} and robot.role == role
+    assert 5 not in robot.old
+
+
+@pytest.mark.parametrize(("role", "left"), [("leader", WALL), ("centre", 1)])
+@pytest.mark.parametrize("of", ["left", ""])
+def test_who_is_left_by_a_new_neighbour_and_has_none_to_go_back_to_leaves_the_line_open(role, left, of):
+    """The other side counts on it: it does not walk off. The one before holds others now, or was on the left."""
+    robot = whose_new_neighbour_falls_silent(role, left)
+    if of:
+        robot.old[5] = of
+    meets(robot, 5, -0.5j, left=2 if of else 6, right=WALL)
+    assert links.tend(robot) == "r3 is silent"
+    assert robot.beside == {"left": left, "right": NOBODY} and robot.role == role
+    assert 3 in robot.dead
+
+
+def test_who_is_held_on_no_side_when_a_new_neighbour_falls_silent_is_of_the_reserve():
+    """Who fell silent is only out of reach: the line has gone on without this one."""
+    robot = whose_new_neighbour_falls_silent("centre", 1)
+    meets(robot, 1, 0.4j, left=9, right=5)
+    assert links.tend(robot) == ""
+    assert robot.role == "reserve" and 3 not in robot.dead

@@ -126,3 +126,13 @@ def test_nothing_merges_over_ground_that_neither_line_sees():
     meets(robot, 7, 0.5 + 0j, "leader", line=2, ranges=blind, right=8, left=WALL, meets=2)
     decide(robot, look(robot))
     assert robot.role == "leader" and robot.meets == NOBODY
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_neighbour_that_has_not_heard_yet_that_it_was_given_up_is_no_line_to_meet(side):
+    """It names this robot as a neighbour, but not in answer to anything."""
+    robot = a_leader(side, flow(since=NOW - 2), line=2)
+    robot.meets = NOBODY
+    meets(robot, 7, robot.peers.known[7].here, "centre", line=1, **{side: 8, OTHER[side]: 2})
+    decide(robot, look(robot))
+    assert robot.role == "leader" and robot.beside[side] == WALL
