@@ -2,8 +2,8 @@
 
 Source: specs of mission clear, section 4: contaminated is where an intruder of any speed may be; a plan is
 clear when less than 1e-7 m2 is. What becomes contaminated again is counted by its cause. In a tick in which a
-process was killed or stopped, all of it is `kill` if a barrier opened, that is: if more was lost than what
-was in sight until then; else, in one in which some living robot last reported that it releases, all is
+process was killed or stopped, and as long as a living robot reports a dead one as its neighbour, all of it is
+`kill` if a barrier opened, that is: if more was lost than what was in sight until then; else, in one in which some living robot last reported that it releases, all is
 `release`; else what some robot had in sight until then, or what lay ahead of lines and
 was held by none, is `retreat`, and the rest is `breach`: more than rounding of it in a tick is one of
 `breaches`.
@@ -55,6 +55,7 @@ class ClearMetrics:
         self._robots = scenario.robot_ids
         self._breach_m2 = BREACH_M2[(scenario.sensors or Sensors()).referee]
         self._standing: dict[str, Standing] = {}
+        self._dead: set[str] = set()
         self._claim, self._clear_tick, self._contaminated_m2 = "none", None, None
         self._lost_m2 = dict.fromkeys(CAUSES, 0.0)
         self._breaches, self._on_lines_peak = 0, 0
@@ -69,6 +70,9 @@ class ClearMetrics:
         for node, mode in zip(self._nodes, facts.modes, strict=False):
             if mode == DEAD:
                 self._standing.pop(node, None)
+                self._dead.add(node)
+            else:
+                self._dead.discard(node)
         on_lines = sum(map(self.is_on_line, self._robots))
         self._on_lines_peak = max(self._on_lines_peak, on_lines)
         if (clearing := facts.clearing) is not None:
@@ -146,6 +150,10 @@ class ClearMetrics:
         if self._graph is None or seen.version >= self._graph.version:
             self._graph = seen
 
+    def _is_missed(self) -> bool:
+        """Does any robot take a dead one for its neighbour still? It cannot know better so soon."""
+        return any({one.left, one.right} & self._dead for one in self._standing.values())
+
     def _judge(self, facts: Facts, clearing: Clearing) -> None:
         self._contaminated_m2 = clearing.contaminated_m2
         if self._clear_tick is None and clearing.contaminated_m2 < NOTHING_M2:
@@ -153,7 +161,8 @@ class ClearMetrics:
         if clearing.lost_m2 <= NOTHING_M2:
             return
         opened = clearing.lost_m2 - clearing.given_up_m2 > self._breach_m2
-        if opened and any(fault.verb in ("kill", "freeze") for fault in facts.faults):
+        stopped = any(fault.verb in ("kill", "freeze") for fault in facts.faults)
+        if opened and (stopped or self._is_missed()):
             self._lost_m2["kill"] += clearing.lost_m2
         elif any(one.releasing for one in self._standing.values()):
             self._lost_m2["release"] += clearing.lost_m2
