@@ -126,7 +126,7 @@ def test_who_is_left_by_a_new_neighbour_goes_back_to_the_one_before_that_still_h
 def test_who_is_left_by_a_new_neighbour_and_has_none_to_go_back_to_leaves_the_line_open(
     role, left, of, holds
 ):
-    """The other side counts on it: it does not walk off. The one before holds others now, or was on the left."""
+    """The other side counts on it. The one before holds others now, or was on the left."""
     robot = whose_new_neighbour_falls_silent(role, left)
     if of:
         robot.old[5] = of
