@@ -174,3 +174,18 @@ def test_the_first_leader_asks_another_one_after_a_while():
     meets(robot, 4, 0.3 + 0j, "leader", left=2, right=WALL)
     beginning.await_second(robot)
     assert robot.stage == "" and NOBODY not in robot.beside.values()
+
+
+def test_the_first_leader_that_has_asked_everybody_in_vain_goes_elsewhere():
+    """There is no room beside it."""
+    robot, beginning = a_robot(), Beginning()
+    stands(robot, "leader", WALL, 3)
+    robot.stage, robot.contact = "forming", -0.25j
+    for number in (3, 4):
+        meets(robot, number, number / 10 + 0j, "reserve")
+    for robot.tick in range(2 * SECOND_TICKS + 2):
+        beginning.await_second(robot)
+    assert robot.role == "leader"
+    robot.tick += 1
+    beginning.await_second(robot)
+    assert (robot.role, robot.stage) == ("anchor", "gathering")

@@ -149,8 +149,7 @@ def test_a_leader_goes_back_along_its_wall_where_that_shortens_the_line(side, or
 
 @pytest.mark.parametrize("side", ["left", "right"])
 @pytest.mark.parametrize(
-    ("apart_m", "role", "goes"),
-    [(0.45, "leader", False), (0.55, "leader", True), (0.45, "centre", True)],
+    ("apart_m", "role", "goes"), [(0.45, "leader", False), (0.55, "leader", True), (0.45, "centre", True)]
 )
 def test_two_leaders_at_one_place_of_a_wall_go_back_no_farther(side, apart_m, role, goes):
     """Who went on would turn the line over, front to back."""

@@ -122,13 +122,15 @@ def test_who_is_left_by_a_new_neighbour_goes_back_to_the_one_before_that_still_h
 
 
 @pytest.mark.parametrize(("role", "left"), [("leader", WALL), ("centre", 1)])
-@pytest.mark.parametrize("of", ["left", ""])
-def test_who_is_left_by_a_new_neighbour_and_has_none_to_go_back_to_leaves_the_line_open(role, left, of):
-    """The other side counts on it: it does not walk off. The one before holds others now, or was on the left."""
+@pytest.mark.parametrize(("of", "holds"), [("left", 2), ("right", 6), ("", 6)])
+def test_who_is_left_by_a_new_neighbour_and_has_none_to_go_back_to_leaves_the_line_open(
+    role, left, of, holds
+):
+    """The other side counts on it. The one before holds others now, or was on the left."""
     robot = whose_new_neighbour_falls_silent(role, left)
     if of:
         robot.old[5] = of
-    meets(robot, 5, -0.5j, left=2 if of else 6, right=WALL)
+    meets(robot, 5, -0.5j, left=holds, right=WALL)
     assert links.tend(robot) == "r3 is silent"
     assert robot.beside == {"left": left, "right": NOBODY} and robot.role == role
     assert 3 in robot.dead

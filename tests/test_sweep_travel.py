@@ -109,7 +109,7 @@ def test_who_sees_nobody_goes_along_the_walls_all_round():
 
 
 def test_who_has_gone_all_round_goes_straight_across_and_along_the_wall_there():
-    robot, around, places = goes_round(AROUND_TICKS + 40)
+    _, _, places = goes_round(AROUND_TICKS + 40)
     ring = [max(abs(place.real), abs(place.imag)) for place in places]
     inside = [row for row, away_m in enumerate(ring) if away_m < 0.6]
     assert inside and min(inside) > AROUND_TICKS - 12
@@ -122,9 +122,10 @@ def test_who_has_gone_all_round_goes_straight_across_and_along_the_wall_there():
 def test_who_goes_across_a_second_time_does_so_from_another_place():
     _, _, places = goes_round(3 * AROUND_TICKS + 60)
     ring = [max(abs(place.real), abs(place.imag)) for place in places]
-    starts = [row for row in range(1, len(ring)) if ring[row] < 0.6 <= ring[row - 1]]
-    assert len(starts) >= 2
-    assert abs(places[starts[0]] - places[starts[1]]) > 0.5
+    turns = [row for row in range(1, len(ring)) if (ring[row] < 0.6) != (ring[row - 1] < 0.6)]
+    assert len(turns) >= 3
+    came, left = places[turns[1]], places[turns[2]]
+    assert abs(came - left) > 0.6, "else it would go to where it came from"
 
 
 def test_who_has_gone_across_goes_through_lines_for_a_while():
@@ -139,9 +140,9 @@ def test_on_its_way_across_it_passes_the_wall_that_it_left():
     robot, around, places = goes_round(AROUND_TICKS)
     while abs(places[-1].imag) > 0.65:
         places += walks(robot, ROOM, around.way, 1)
-    ahead = robot.here - 0.3j
+    ahead, left = robot.here - 0.3j, robot.here
     places = walks(robot, np.append(ROOM, [ahead + 0.2, ahead + 0.22]), around.way, 14)
-    assert places[-1].imag < ahead.imag
+    assert places[-1].imag < ahead.imag - 0.3 and abs(places[-1].real - left.real) < 0.05
 
 
 def a_link(
@@ -171,10 +172,10 @@ def test_who_is_behind_a_line_stays_there():
 
 
 def test_who_is_not_before_the_middle_of_a_link_goes_there_first():
-    robot = stands_at(0.45 - 0.2j)
+    robot = stands_at(0.4 + 0j)
     a_link(robot)
     way = back_across(robot, only_main=False)
-    assert way.real < -0.02 and way.imag > 0
+    assert way.real < -0.02 and abs(way.imag) < 0.02
 
 
 def too_narrow(robot: Robot) -> None:
