@@ -93,7 +93,8 @@ def test_ground_lost_in_a_tick_with_a_death_is_lost_by_it_whatever_else_happened
 
 
 def test_what_is_lost_before_neighbours_can_know_of_a_death_is_lost_by_it():
-    beside, closed = {"r2": Standing("leader", left="wall", right="r3")}, {"r2": Standing("leader", right="r4")}
+    beside = {"r2": Standing("leader", left="wall", right="r3")}
+    closed = {"r2": Standing("leader", left="wall", right="r4")}
     died = tick(1, lost_m2=1.0, said=beside, verbs=("kill",), dead=(2,))
     later = tick(2, lost_m2=0.5, dead=(2,)), tick(3, lost_m2=0.25, said=closed, dead=(2,))
     assert folded(died, *later)["recontaminated_m2"] == lost(kill=1.5, breach=0.25)

@@ -162,7 +162,7 @@ def beside(places: list[complex], body: complex) -> complex:
     return min(places, key=lambda place: abs(place.real - body.real))
 
 
-@pytest.mark.parametrize("gap_m", [0.05, 0.15, 0.25])
+@pytest.mark.parametrize("gap_m", [0.05, 0.15, 0.25, 0.3, 0.35])
 def test_a_leader_passes_a_dead_body_outside_where_it_is_near_to_the_wall(gap_m):
     body = 0.8 + (gap_m - 0.25) * 1j
     places = gone_along(body, 60)

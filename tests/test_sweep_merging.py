@@ -7,7 +7,7 @@ import pytest
 from swarm_agent.sweep import gait
 from swarm_agent.sweep.events import decide
 from swarm_agent.sweep.outlook import look
-from swarm_agent.sweep.radio import NOBODY, OTHER, WALL, Flow, Side
+from swarm_agent.sweep.radio import NOBODY, OTHER, WALL, Flow, Measured, Side
 from swarm_agent.sweep.robot import Robot
 from tests.sweep_builders import a_robot, flow, meets, sees_walls, stands, wall
 from tests.sweep_play import Play, in_line, play
@@ -104,7 +104,12 @@ def test_the_other_line_holds_its_wall_until_the_main_line_holds_it(side):
     robot = a_leader(side, flow(since=NOW - 2), line=2, meets=2)
     decide(robot, look(robot))
     assert robot.role == "leader" and robot.meets == 7 and 7 in robot.old
-    meets(robot, 7, robot.peers.known[7].here, "centre", line=1, **{side: 8, OTHER[side]: 2})
+    held = {side: 8, OTHER[side]: 2}
+    meets(robot, 7, robot.peers.known[7].here, "centre", line=1, **held)
+    decide(robot, look(robot))
+    assert robot.role == "leader", "it has not heard yet what we would do: it may still think so from before"
+    heard = (Measured(2, robot.tick, 0.0),)
+    meets(robot, 7, robot.peers.known[7].here, "centre", line=1, measured=heard, **held)
     decide(robot, look(robot))
     assert robot.role == "centre" and robot.beside[side] == 7
 

@@ -3,10 +3,10 @@
 Source: specs of mission clear, section 4: contaminated is where an intruder of any speed may be; a plan is
 clear when less than 1e-7 m2 is. What becomes contaminated again is counted by its cause. In a tick in which a
 process was killed or stopped, and as long as a living robot reports a dead one as its neighbour, all of it is
-`kill` if a barrier opened, that is: if more was lost than what was in sight until then; else, in one in which some living robot last reported that it releases, all is
-`release`; else what some robot had in sight until then, or what lay ahead of lines and
-was held by none, is `retreat`, and the rest is `breach`: more than rounding of it in a tick is one of
-`breaches`.
+`kill` if a barrier opened, that is: if more was lost than what was in sight until then; else, in one in which
+some living robot last reported that it releases, all is `release`; else what some robot had in sight until
+then, or what lay ahead of lines and was held by none, is `retreat`, and the rest is `breach`: more than
+rounding of it in a tick is one of `breaches`.
 
 A robot is on a line when it has a neighbour there. Events are counted as robots report them, the graph is the
 newest that any of them reported. The exact referee decides, where there is one.

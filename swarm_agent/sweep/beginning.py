@@ -157,7 +157,7 @@ class Beginning:
         return all((*_openness(robot, one.ranges_m), one.number) > own for one in known)
 
     def gather(self, robot: Robot) -> complex:
-        """The anchor: it goes home, or away if this is not the first time, on to a corner, waits, and forms."""
+        """The anchor: it goes home, or away if that was in vain, on to a corner, waits, and forms."""
         if robot.stage == "homing":
             way = self._trail.way(robot)
             if way is not None:
@@ -187,7 +187,7 @@ class Beginning:
         return self._form(robot)
 
     def _patience(self, robot: Robot) -> int:
-        """How long to wait for one more: not for long when the couriers are back, for all have been told then."""
+        """How long to wait for one more: not for long when the couriers are back, and all have been told."""
         sent = [robot.peer(number) for number in self._sent if number not in robot.dead]
         back = bool(sent) and all(one and one.beacon.ahead and not one.beacon.couriers for one in sent)
         if not back:

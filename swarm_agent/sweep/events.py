@@ -51,7 +51,7 @@ def _end_of_line(robot: Robot) -> None:
 
 
 def _is_turned_over(robot: Robot) -> bool:
-    """Has a line of two its back where it takes its front to be? Then one of its angles is nearly all around."""
+    """Is the back of a line of two where it takes its front to be? Then one angle is nearly all around."""
     told = robot.told["left"]
     return robot.count == 2 and robot.angle_rad + told.angle_rad > TURNED_RAD
 
@@ -99,7 +99,7 @@ def _meet(robot: Robot, outlook: Outlook, met: int) -> bool:
         robot.meets, robot.old[peer.number] = peer.number, side
         if met != peer.number:
             robot.met_tick = robot.tick
-        answered = named and met == peer.number  # else it has not heard yet that it was given up
+        answered = named and met == peer.number and _has_heard(robot, peer)  # or it does not know yet
         if answered or (robot.is_main and beacon.meets == robot.number and _is_first(robot, side)):
             _become_one(robot, peer, side)
             return True
@@ -116,6 +116,12 @@ def _is_first(robot: Robot, side: Side) -> bool:
     told = robot.told["right"]
     since = max(robot.met_tick, robot.other_met_tick) + _heard_ticks(robot)
     return told is not None and not told.meets and told.since >= since
+
+
+def _has_heard(robot: Robot, peer: Peer) -> bool:
+    """Had it heard that we would become one with it, and are an end of a line, when it spoke?"""
+    heard = max((one.tick for one in peer.beacon.measured if one.number == robot.number), default=-1)
+    return heard >= max(robot.met_tick, robot.since_role)
 
 
 def _heard_ticks(robot: Robot) -> int:

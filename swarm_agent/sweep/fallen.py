@@ -1,4 +1,4 @@
-"""Where the bodies of dead robots lie: in the way of everybody, and seen by nobody, so robots tell each other.
+"""Where the bodies of dead robots lie, in the way of everybody, seen by nobody; so robots tell each other.
 
 Of who died unnoticed nobody can tell: whoever is held up on its way where it knows of nothing has met a body.
 """
@@ -27,7 +27,7 @@ def see(robot: Robot) -> None:
 
 
 def bump(robot: Robot, wanted: complex, moved: complex) -> None:
-    """Remember a body where a robot has not come as far as it wanted, and knows of nobody and no wall there."""
+    """Remember a body where a robot is held up on its way, and knows of nobody and no wall there."""
     robot.bumps = [one for one in robot.bumps if robot.tick - one[0] <= REMEMBERED_TICKS]
     if abs(wanted) < LEAST_M or (moved / unit(wanted)).real > HELD_UP * abs(wanted):
         return

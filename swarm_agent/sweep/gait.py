@@ -26,7 +26,7 @@ HOLD_M, HOLD_MOST_M = 0.5, 0.64  # a leader goes no farther from its wall; aroun
 FARTHEST_M = 0.6  # from its wall, for who comes near to it again while it goes
 ASIDE_DEG = (0, 20, 40, 60, 80, 100, -20, -40, -60)
 FALLEN = 0.04 * np.exp(2j * math.pi / 8 * np.arange(8))  # a dead robot is passed at a little more than a wall
-INSIDE_M, ROOM_M, LEAST_M = 0.38, 0.28, 0.1  # there is room for a robot between a wall and a dead one, or not
+AT_BODY_M, INSIDE_M, ROOM_M, LEAST_M = 0.34, 0.38, 0.28, 0.1  # is there room behind a dead one?
 APART_M, TOGETHER_M, BACK_M = 0.34, 0.25, 0.5
 REST_M, NEARER_M, TRY_TICKS = 0.025, 0.08, 12
 RESTED_M = 0.08
@@ -67,7 +67,7 @@ def _awaits(robot: Robot) -> bool:
 
 
 def _go(robot: Robot, way: complex, hand: Side) -> complex:
-    """That way along the wall, or one near to it, away from the wall if it can be, that links and others allow."""
+    """That way along the wall, or one near to it, rather away from the wall, that links and others allow."""
     inward = -1 if hand == "left" else 1
     for aside_deg in ASIDE_DEG:
         some = way * cmath.exp(1j * inward * math.radians(aside_deg))
@@ -104,13 +104,14 @@ def _around(robot: Robot) -> tuple[np.ndarray, int | None]:
 
 
 def along_wall(robot: Robot, hand: Side) -> complex:
-    """A step along the wall on one hand, around robots that stand there, and around the dead or behind them."""
+    """A step along the wall on one hand, around robots that stand there, and around or behind the dead."""
     others = [
         peer.here
         for peer in robot.peers.known.values()
         if peer.beacon.follows_nobody and abs(peer.here - robot.here) < BODIES_M
     ]
-    keep_m = _keep_m(robot)
+    keep_m, contact = _keep_m(robot), robot.contact
+    forward = unit(contact - robot.here) * (-1j if hand == "left" else 1j)
     for body in robot.fallen:
         if abs(body - robot.here) < HOLD_M and len(robot.hits):
             gap_m = float(np.abs(robot.hits - body).min())
@@ -119,8 +120,10 @@ def along_wall(robot: Robot, hand: Side) -> complex:
             else:
                 keep_m = robot.parameters.obstacle_m
                 others += (body + FALLEN).tolist()
+                if ((body - robot.here) / forward).real > -LEAST_M / 2 and abs(body - robot.here) < AT_BODY_M:
+                    contact = body
     walls = np.concatenate((robot.hits, np.array(others, dtype=complex)))
-    return roll(robot.here, walls, robot.contact, hand, keep_m, robot.step_m)[0]
+    return roll(robot.here, walls, contact, hand, keep_m, robot.step_m)[0]
 
 
 def _stays_at_wall(robot: Robot, way: complex) -> bool:
@@ -156,7 +159,7 @@ def _go_back(robot: Robot, side: Side, other_rad: float) -> complex:
 
 
 class Strides:
-    """Whether a leader comes any farther; who goes to and fro rests until its neighbour or its order is another.
+    """Whether a leader comes any farther; who goes to and fro rests until its neighbour or its order changes.
 
     A line can decide nothing before all of it stands still.
     """

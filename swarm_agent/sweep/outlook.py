@@ -23,6 +23,7 @@ BETWEEN = np.array([0.2, 0.4, 0.6, 0.8])
 CONTACT_M = 0.02
 PROBED_M = 0.5  # a robot that searches takes a wall for an obstacle from so far away
 ASKEW = 0.2
+CORNER_M = 0.03  # a corner of 46 degrees just out of reach has rays on both sides that end so far before it
 
 
 class Outlook(NamedTuple):
@@ -63,8 +64,9 @@ def is_closed_to(robot: Robot, outlook: Outlook, peer: Peer, side: Side) -> bool
 
 
 def _frontier(robot: Robot, ends: np.ndarray, walls: np.ndarray, lines: Container[int]) -> np.ndarray:
-    """Which rays end where nobody of some lines sees on."""
-    frontier = ~walls & ~_covered(robot, ends, lines)
+    """Which rays end where nobody of some lines sees on, or so far away that a corner may be behind."""
+    near = walls & (np.abs(ends - robot.here) <= robot.eye.detect_m - CORNER_M)
+    frontier = ~near & ~_covered(robot, ends, lines)
     jumps = np.abs(np.diff(ends)) > JOINED_M
     for ray in np.flatnonzero(jumps & (walls[1:] | walls[:-1])):
         if not _covered(robot, ends[ray] + BETWEEN * (ends[ray + 1] - ends[ray]), lines).all():
@@ -112,7 +114,7 @@ def _way(robot: Robot, side: Side) -> complex:
 
 
 def _covered(robot: Robot, places: np.ndarray, lines: Container[int]) -> np.ndarray:
-    """Which places are seen by somebody else on one of some lines, or are beyond such a line, and so behind it."""
+    """Which places are seen by somebody else on one of some lines, or are behind such a line."""
     covered = np.zeros(len(places), dtype=bool)
     for peer in robot.peers.known.values():
         if (
