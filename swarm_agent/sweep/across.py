@@ -1,5 +1,7 @@
 """Robots on no line belong behind lines: who is ahead of one, because it went back, goes through it."""
 
+import numpy as np
+
 from swarm_agent.sweep.geometry import clearance_m, unit
 from swarm_agent.sweep.moves import toward
 from swarm_agent.sweep.peers import Peer
@@ -54,6 +56,4 @@ def _links(robot: Robot) -> list[Link]:
 def _far_m(robot: Robot, link: Link) -> float:
     """How far it is from a link."""
     left, right = link
-    way, away = right.here - left.here, robot.here - left.here
-    share = min(max((away * way.conjugate()).real / max(abs(way) ** 2, 1e-12), 0.0), 1.0)
-    return abs(away - share * way)
+    return clearance_m(np.array([robot.here]), left.here, right.here)

@@ -137,7 +137,9 @@ class Beginning:
             return 0j
         robot.stage = "forming"
         way = _to_wall(robot)
-        if way is None and not in_corner(robot):
+        if way is not None:
+            return way
+        if not in_corner(robot):
             robot.become("anchor", "gathering")
             robot.anchor, self._arrival_tick = robot.number, robot.tick
             self._walk_on(0.0, MOST_M)
@@ -219,9 +221,7 @@ class Beginning:
         self._has_walked = True
 
     def _form(self, robot: Robot) -> complex:
-        way = _to_wall(robot)
-        if way is not None:
-            return way
+        """It stands at a wall: it is a leader there, and asks for another one."""
         wall = robot.contact
         near = _candidates(robot)
         if near:

@@ -120,8 +120,7 @@ def _is_first(robot: Robot, side: Side) -> bool:
 
 def _has_heard(robot: Robot, peer: Peer) -> bool:
     """Had it heard that we would become one with it, and are an end of a line, when it spoke?"""
-    heard = max((one.tick for one in peer.beacon.measured if one.number == robot.number), default=-1)
-    return heard >= max(robot.met_tick, robot.since_role)
+    return peer.heard_tick(robot.number) >= max(robot.met_tick, robot.since_role)
 
 
 def _heard_ticks(robot: Robot) -> int:

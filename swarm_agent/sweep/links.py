@@ -105,8 +105,7 @@ def _is_over(robot: Robot, number: int) -> bool:
 
 def _answers(robot: Robot, peer: Peer) -> bool:
     """Had it heard of our latest link when it spoke? Before, what it says of its own is no refusal."""
-    heard = (one.tick for one in peer.beacon.measured if one.number == robot.number)
-    return max(heard, default=-1) >= robot.linked_tick
+    return peer.heard_tick(robot.number) >= robot.linked_tick
 
 
 def _come_in(robot: Robot) -> None:
@@ -239,10 +238,10 @@ def _adopt_line(robot: Robot, peer: Peer, side: Side) -> None:
 
 def _give_up(robot: Robot, side: Side) -> str:
     """A neighbour fell silent that did not hold it yet, or any more. Who does?"""
-    for before in [one for one, of in robot.old.items() if of == side and not _is_free_of(robot, one)]:
-        if robot.peer(before) is not None:
-            _relink(robot, side, before)
-            return ""
+    before = next((one for one, of in robot.old.items() if of == side and not _is_free_of(robot, one)), None)
+    if before is not None:
+        _relink(robot, side, before)
+        return ""
     other = robot.neighbour(OTHER[side])
     if robot.beside[OTHER[side]] == WALL or (other is not None and not _is_free_of(robot, other.number)):
         silent, robot.beside[side] = robot.beside[side], NOBODY

@@ -79,6 +79,10 @@ class Peer:
         """The same, exactly: seen from where it was before its last step."""
         return self._stood + self.turn * self.beacon.wall
 
+    def heard_tick(self, number: int) -> int:
+        """The last tick of a robot that it had heard when it spoke; -1 for none."""
+        return max((one.tick for one in self.beacon.measured if one.number == number), default=-1)
+
     def place(self, way: complex) -> complex:
         """Where a way ends that it told when it spoke."""
         return self._stood + self.turn * way
