@@ -10,6 +10,7 @@ import networkx
 from swarm_agent.graph_clear import next_vertex
 from swarm_agent.sweep import robust_line
 from swarm_agent.sweep.gait import touch
+from swarm_agent.sweep.geometry import turn_rad
 from swarm_agent.sweep.outlook import Outlook, is_closed_to, sides_open
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import GO_HOME, NOBODY, OTHER, SIDES, WALL, Side
@@ -161,8 +162,8 @@ def _in_the_middle(robot: Robot, outlook: Outlook) -> None:
                     touch(robot)
     if robot.ready or _beside_pivot(robot):
         return
-    obstacle = robot.obstacle is not None or (robot.pinned and robot.sees(robot.contact))
-    if not obstacle or robot.order == GO_HOME:
+    held = robot.pinned and robot.sees(robot.contact) and not _is_overtaken(robot, outlook)
+    if (robot.obstacle is None and not held) or robot.order == GO_HOME:
         robot.pinned = robot.halt = False
         return
     was_pinned = robot.pinned
@@ -192,6 +193,13 @@ def _waits_for(robot: Robot, peer: Peer, side: Side) -> bool:
 def _beside_pivot(robot: Robot) -> bool:
     left = robot.neighbour("left")
     return left is not None and left.beacon.pinned
+
+
+def _is_overtaken(robot: Robot, outlook: Outlook) -> bool:
+    """Has a leader beside it walked past the obstacle, so that this is behind the line now?"""
+    leads = any(one and one.beacon.role == "leader" for one in map(robot.neighbour, SIDES))
+    ahead_rad = turn_rad(outlook.ways["left"], outlook.ways["right"], "right")
+    return leads and turn_rad(outlook.ways["left"], robot.contact - robot.here, "right") > ahead_rad
 
 
 def _judge(robot: Robot, outlook: Outlook) -> None:

@@ -41,6 +41,7 @@ def _joined(robot: Robot, side: Side, before: Flow | None) -> Flow:
         robot.order if side == "right" else 0,
         robot.taut if side == "left" else 0,
         robot.meets != NOBODY,
+        robot.role == "leader" and robot.is_barred,
     )
     if before is None:
         return own
@@ -58,6 +59,7 @@ def _joined(robot: Robot, side: Side, before: Flow | None) -> Flow:
         before.order,
         max(before.taut, own.taut),
         before.meets or own.meets,
+        before.barred,
     )
 
 

@@ -15,7 +15,7 @@ from swarm_agent.sweep.links import is_spare
 from swarm_agent.sweep.moves import best, may
 from swarm_agent.sweep.outlook import Outlook
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import GO_BACK, GO_HOME, GO_ON, OTHER, SIDES, Side
+from swarm_agent.sweep.radio import GO_BACK, GO_HOME, GO_ON, OTHER, SIDES, Flow, Side
 from swarm_agent.sweep.robot import Robot
 
 STRAIGHT_RAD = 1.8 * math.pi  # larger angles are noise around zero
@@ -37,11 +37,19 @@ SETTLED_TICKS = 20  # who has just come in does not know yet whether the line wa
 
 
 def lead(robot: Robot, outlook: Outlook, strides: "Strides") -> complex:
-    """A leader's way: along its wall, if that shortens the line, or lengthens it less than the other's."""
-    return strides.taken(robot, _lead(robot, outlook))
+    """A leader's way: along its wall, if that shortens the line, or lengthens it less than the other's.
+
+    Who would go, and cannot, is barred: then the other leader may go on instead.
+    """
+    wanted = _lead(robot, outlook)
+    way = strides.taken(robot, wanted or 0j)
+    if way or wanted == 0:
+        robot.free_tick = robot.tick
+    return way
 
 
-def _lead(robot: Robot, outlook: Outlook) -> complex:
+def _lead(robot: Robot, outlook: Outlook) -> complex | None:
+    """The way; 0 where it is to stand, None where all ways are barred."""
     side = robot.wall_side()
     touch(robot)
     way = along_wall(robot, side)
@@ -56,9 +64,9 @@ def _lead(robot: Robot, outlook: Outlook) -> complex:
     if robot.order > 0 or robot.close:
         return 0j
     shortens = robot.angle_rad < math.pi / 2 - 2 * ALIKE_RAD
-    if not shortens and not may_grow(robot, other.angle_rad):
+    if not shortens and not may_grow(robot, other):
         return 0j
-    return _go(robot, way, side)
+    return _go(robot, way, side) or None
 
 
 def _awaits(robot: Robot) -> bool:
@@ -77,10 +85,11 @@ def _go(robot: Robot, way: complex, hand: Side) -> complex:
     return 0j
 
 
-def may_grow(robot: Robot, other_rad: float) -> bool:
+def may_grow(robot: Robot, other: Flow) -> bool:
     """May it lengthen the line: the main line, without a pivot, by the smaller angle of the two?"""
     held = robot.close or robot.any_told("pinned")
-    return robot.is_main and not held and robot.angle_rad <= other_rad + ALIKE_RAD
+    turn = other.barred or robot.angle_rad <= other.angle_rad + ALIKE_RAD
+    return robot.is_main and not held and turn
 
 
 def touch(robot: Robot) -> None:
@@ -197,20 +206,20 @@ class Slot:
         self._rested: tuple[complex, complex] | None = None
         self._rest_tick, self._rest_ticks = 0, REST_TICKS
 
-    def way(self, robot: Robot, aim: complex, neighbours: tuple[complex, complex]) -> complex:
-        """The way to go; nothing when it is there, or rests."""
+    def way(self, robot: Robot, aims: list[complex], neighbours: tuple[complex, complex]) -> complex:
+        """The way to the first of some places to which there is one; nothing when it is there, or rests."""
         if self._rested is not None:
             moved = max(abs(now - then) for now, then in zip(neighbours, self._rested, strict=True))
-            if moved < RESTED_M and not self._tries_again(robot, aim):
+            if moved < RESTED_M and not self._tries_again(robot, aims[-1]):
                 return 0j
             self._rested, self._trail = None, []
-        if abs(aim - robot.here) < REST_M:
+        if abs(aims[0] - robot.here) < REST_M:
             return 0j
         self._trail = [*self._trail[-TRY_TICKS:], robot.here]
         if len(self._trail) > TRY_TICKS and abs(self._trail[0] - robot.here) < NEARER_M:
             self._rested, self._rest_tick = neighbours, robot.tick
             return 0j
-        return best(robot, aim - robot.here)
+        return next((way for aim in aims if (way := best(robot, aim - robot.here))), 0j)
 
     def _tries_again(self, robot: Robot, aim: complex) -> bool:
         """On a robust line one who is far from its slot waits for others beyond its neighbours, too."""
@@ -239,16 +248,14 @@ def keep(robot: Robot, slot: Slot) -> complex:
         and is_spare(robot)
     ):
         robot.role, robot.since_role = "leaving", robot.tick
-    for pivot in (left, right):
-        if pivot.beacon.pinned and abs(pivot.wall - robot.here) > APART_M and not robot.is_robust:
-            way = best(robot, pivot.wall - robot.here)
-            if way:
-                return way
     if robot.is_robust:
         wall = robust_line.wall_to_see(robot)
-        if wall is not None:
-            return slot.way(robot, wall, (left.here, right.here))
-    return slot.way(robot, _slot(robot, left, right), (left.here, right.here))
+        walls = [] if wall is None else [wall]
+    else:
+        pivots = [one for one in (left, right) if one.beacon.pinned]
+        walls = [one.wall for one in pivots if abs(one.wall - robot.here) > APART_M]
+    aims = walls[:1] if robot.is_robust and walls else [*walls, _slot(robot, left, right)]
+    return slot.way(robot, aims, (left.here, right.here))
 
 
 def _slot(robot: Robot, left: Peer, right: Peer) -> complex:

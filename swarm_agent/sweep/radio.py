@@ -43,7 +43,8 @@ class Flow(msgspec.Struct, frozen=True, array_like=True):
     any held by an obstacle, `pivot`: in the middle; `want`: is there a gap that needs one more robot;
     `spare`: robots that follow them.
     `angle_rad`: of the leader at that end. `order`: what the right leader orders; `taut`: the place of the
-    robot that has pushed as far as it can. `meets`: does the leader at that end become one with another line.
+    robot that has pushed as far as it can. `meets`: does the leader at that end become one with another line;
+    `barred`: can it not go along its wall.
     """
 
     count: Count
@@ -59,6 +60,7 @@ class Flow(msgspec.Struct, frozen=True, array_like=True):
     order: Order = 0
     taut: Count = 0
     meets: bool = False
+    barred: bool = False
 
 
 class Measured(msgspec.Struct, frozen=True, array_like=True):

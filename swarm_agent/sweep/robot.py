@@ -20,6 +20,7 @@ from wire.messages import Configuration
 BENDS, BEND_M = 7, 0.08  # places tried for a link around a corner, and how far apart they are
 SIGHT_M = 0.06  # free space that a line of sight needs on both sides
 UNRANKED, NEVER = 9999, -1_000_000
+BARRED_TICKS = 20
 WORN_M = 0.02  # of the range: rounding of what is told, and the rays' distance
 
 
@@ -73,6 +74,8 @@ class Robot:
         self.obstacle: complex | None = None
         self.open = True
         self.order, self.taut, self.pushed, self.angle_rad = 0, 0, self.tick, 0.0
+        self.free_tick = self.tick
+        """When it last went along its wall as a leader, or did not want to."""
         self.ahead, self.rank, self.tail = NOBODY, UNRANKED, 1
         self.crumbs: list[complex] = []
         self.flows: dict[Side, Flow | None] = dict.fromkeys(SIDES)
@@ -112,6 +115,11 @@ class Robot:
         """Does it stand on the line that moves?"""
         main = self.graph.main
         return main is not None and self.on_line and main.line == self.line
+
+    @property
+    def is_barred(self) -> bool:
+        """Has it wanted to go along its wall for a while, and not come on?"""
+        return self.tick - self.free_tick > BARRED_TICKS * self.parameters.hop_ticks
 
     @property
     def team(self) -> int:
