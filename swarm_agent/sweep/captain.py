@@ -2,7 +2,8 @@
 
 First the line steps back until one robot is free, and bends forward at one robot after the other in search of
 an obstacle. If there is none, it stands, and another line takes over; if none can, all that is clear is given
-up and the team begins again elsewhere.
+up and the team begins again elsewhere. A line that is to split, and has nobody to come beside its pivot, steps
+back so that its own robots can.
 """
 
 from swarm_agent.sweep.events import strike_out
@@ -10,7 +11,7 @@ from swarm_agent.sweep.radio import BARRIER, GO_BACK, GO_HOME, GO_ON, WALL
 from swarm_agent.sweep.robot import Robot
 
 FIRST_PLACE = 2
-SLOWLY_TICKS, ORDER_TICKS, PUSH_TICKS, HOME_TICKS = 30, 400, 200, 1500
+SLOWLY_TICKS, YIELD_TICKS, ORDER_TICKS, PUSH_TICKS, HOME_TICKS = 30, 100, 400, 200, 1500
 ROUNDS, HITS = 2, 3  # so often a search is begun again, with nothing found, or without a split that follows
 
 
@@ -20,16 +21,24 @@ class Captain:
     def __init__(self) -> None:
         self._order_tick = self._main_tick = self._complete_tick = self._rounds = 0
         self._robots = self._hits = self._since = 0
+        self._has_yielded = False
+        """Has the line stepped back for its pivot?"""
 
     def command(self, robot: Robot) -> str:
         """Order what is to be done. Returns why the team must begin again, or nothing."""
         if not robot.is_main or not robot.is_whole or robot.beside["left"] == WALL:
             robot.order, self._main_tick = GO_ON, robot.tick
             return ""
+        if robot.since != self._since:
+            self._begin(robot)
         self._measure(robot)
         told = robot.told["left"]
         if robot.order == GO_ON:
             return self._search(robot) if self._is_stuck(robot) else ""
+        for_ticks = robot.tick - self._order_tick
+        still = min(robot.tick - robot.last_moved(), for_ticks) > self._settled(robot)
+        if told.pinned and robot.order == GO_BACK and not told.halt:
+            return self._fail(robot) if still or for_ticks > ORDER_TICKS else ""
         if told.pinned or told.halt:
             self._order_tick = robot.tick
             if told.pinned and robot.order >= FIRST_PLACE:
@@ -37,13 +46,12 @@ class Captain:
                 self._hits += 1
                 self._give(robot, GO_ON)
             return ""
-        for_ticks = robot.tick - self._order_tick
         if robot.order == GO_HOME:
             return self._come_home(robot, for_ticks)
         if robot.order == GO_BACK:
             if self._has_slack(robot) or for_ticks > ORDER_TICKS:
                 self._give(robot, FIRST_PLACE)
-            elif robot.tick - robot.last_moved() > self._settled(robot) and for_ticks > self._settled(robot):
+            elif still:
                 return self._fail(robot)
         elif told.taut == robot.order or for_ticks > PUSH_TICKS:
             if robot.order < robot.count - 1:
@@ -51,6 +59,12 @@ class Captain:
             else:
                 return self._search(robot)
         return ""
+
+    def _begin(self, robot: Robot) -> None:
+        """Of a line that has just split or merged: what it had ordered before is no more."""
+        self._since, self._hits, self._has_yielded = robot.since, 0, False
+        if robot.order == GO_BACK:
+            self._give(robot, GO_ON)
 
     def _give(self, robot: Robot, order: int) -> None:
         robot.order, self._order_tick = order, robot.tick
@@ -77,8 +91,10 @@ class Captain:
         coming = robot.team - robot.count - spare - others
         self._complete_tick = 0 if coming > 0 else self._complete_tick or robot.tick
         wait = self._settled(robot)
-        if spare or told.pinned:
+        if spare:
             wait += 2 * ORDER_TICKS
+        elif told.pinned:
+            wait += YIELD_TICKS
         if coming > 0:
             wait = robot.parameters.patience_ticks
         return robot.tick - max(robot.last_moved(), self._main_tick, self._complete_tick) > wait
@@ -92,8 +108,10 @@ class Captain:
 
     def _search(self, robot: Robot) -> str:
         """Begin a round of searching, if there is anybody to search with and no round too many."""
-        if robot.since != self._since:
-            self._since, self._hits = robot.since, 0
+        if robot.told["left"].pinned and not self._has_yielded:
+            self._has_yielded = True
+            self._give(robot, GO_BACK)
+            return ""
         vain = self._rounds >= ROUNDS or self._hits > HITS
         if vain or robot.count < FIRST_PLACE + 1 or robot.told["left"].pinned:
             return self._fail(robot)

@@ -17,6 +17,7 @@ from swarm_agent.sweep.radio import GO_HOME, NOBODY, OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot
 
 TURNED_RAD = 1.5 * math.pi
+OWN_M = 0.1  # from where a leader holds its wall
 TOLD_TICKS = 20  # for so long a new end of a line says why it is one
 
 
@@ -162,8 +163,9 @@ def _in_the_middle(robot: Robot, outlook: Outlook) -> None:
                     touch(robot)
     if robot.ready or _beside_pivot(robot):
         return
-    held = robot.pinned and robot.sees(robot.contact) and not _is_overtaken(robot, outlook)
-    if (robot.obstacle is None and not held) or robot.order == GO_HOME:
+    held = robot.pinned and robot.sees(robot.contact)
+    place = robot.contact if held else robot.obstacle
+    if place is None or robot.order == GO_HOME or _is_passed(robot, outlook, place):
         robot.pinned = robot.halt = False
         return
     was_pinned = robot.pinned
@@ -195,11 +197,17 @@ def _beside_pivot(robot: Robot) -> bool:
     return left is not None and left.beacon.pinned
 
 
-def _is_overtaken(robot: Robot, outlook: Outlook) -> bool:
-    """Has a leader beside it walked past the obstacle, so that this is behind the line now?"""
-    leads = any(one and one.beacon.role == "leader" for one in map(robot.neighbour, SIDES))
+def _is_passed(robot: Robot, outlook: Outlook, place: complex) -> bool:
+    """Has a leader beside it gone past the obstacle, or come to it as its own wall, with more ahead?"""
     ahead_rad = turn_rad(outlook.ways["left"], outlook.ways["right"], "right")
-    return leads and turn_rad(outlook.ways["left"], robot.contact - robot.here, "right") > ahead_rad
+    is_behind = turn_rad(outlook.ways["left"], place - robot.here, "right") > ahead_rad
+    for side in SIDES:
+        peer, told = robot.neighbour(side), robot.told[side]
+        if peer is None or peer.beacon.role != "leader":
+            continue
+        if is_behind or (told is not None and told.open and abs(peer.wall - place) < OWN_M):
+            return True
+    return False
 
 
 def _judge(robot: Robot, outlook: Outlook) -> None:
