@@ -1,7 +1,7 @@
 """What the captain of a line that cannot go on orders, and for how long it waits before."""
 
 from swarm_agent.sweep.captain import Captain
-from swarm_agent.sweep.radio import WALL
+from swarm_agent.sweep.radio import GO_BACK, GO_HOME, GO_ON, WALL
 from swarm_agent.sweep.robot import Robot
 from tests.sweep_builders import a_robot, flow, meets, stands
 
@@ -85,3 +85,40 @@ def test_who_has_begun_again_often_enough_says_that_the_team_has_failed():
     robot.epoch = robot.parameters.beginnings
     _, trouble = commands(robot, captain, AT_LAST_TICKS)
     assert not trouble and robot.claim == "failed"
+
+
+def orders_of(robot: Robot, captain: Captain, **told) -> list[int]:
+    """All that is ordered, one after the other, until the team must begin again."""
+    orders: list[int] = []
+    for _ in range(AT_LAST_TICKS):
+        _, trouble = commands(robot, captain, 1, **told)
+        if not orders or robot.order != orders[-1]:
+            orders.append(robot.order)
+        if trouble:
+            break
+    return orders
+
+
+def test_a_line_that_is_to_split_steps_back_for_its_pivot_before_it_gives_up():
+    """Nobody is to come: only the slack of the line itself can bring a second robot beside the pivot."""
+    robot = a_captain(team=3, count=3)
+    assert orders_of(robot, Captain(), pinned=True, pivot=True)[:3] == [GO_ON, GO_BACK, GO_HOME]
+
+
+def test_a_line_that_has_split_goes_on_whatever_was_ordered_before():
+    robot, captain = a_captain(team=3, count=3), Captain()
+    while robot.order != GO_BACK:
+        commands(robot, captain, 1, pinned=True, pivot=True)
+    robot.since = robot.tick
+    commands(robot, captain, 1)
+    assert robot.order == GO_ON
+
+
+def test_the_captain_writes_nothing_while_another_of_its_line_merges():
+    """Both would write the same version; a merge was lost so, and a line stood in the graph that is none."""
+    robot, captain = a_captain(count=3), Captain()
+    commands(robot, captain, 50, meets=True)
+    before = robot.graph.version
+    commands(robot, captain, 50)
+    assert before.events < robot.graph.version.events, "else it had nothing to write"
+    assert robot.graph.main.widest == 3

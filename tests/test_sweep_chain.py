@@ -5,6 +5,7 @@ import pytest
 
 from swarm_agent.sweep import gait, links
 from swarm_agent.sweep.radio import WALL
+from swarm_agent.sweep.resting import Slot
 from swarm_agent.sweep.robot import Robot
 from tests.sweep_builders import a_robot, flow, meets, sees_walls, stands, wall
 
@@ -103,6 +104,23 @@ def test_a_link_is_never_bent_backward():
     assert robot.margin_m(0j, 1 + 0j, wall(0.5 - 0.1j, 0.5 + 0.9j)) < 0
 
 
+# Between pivots
+
+
+def test_a_robot_between_two_pivots_whose_walls_it_does_not_reach_comes_to_stand():
+    """It went to and fro for ever, and a line can decide nothing before all of it stands still."""
+    robot, slot = a_robot(number=2), Slot()
+    stands(robot, "centre", 1, 3)
+    ways = []
+    for _ in range(200):
+        robot.tick += 1
+        meets(robot, 1, -1 + 0j, right=2, pinned=True, wall_x_m=0.0, wall_y_m=0.25)
+        meets(robot, 3, 1 + 0j, left=2, pinned=True, wall_x_m=0.0, wall_y_m=0.25)
+        ways.append(gait.keep(robot, slot))
+        robot.peers.here += ways[-1]
+    assert any(ways) and not any(ways[100:])
+
+
 # Searching
 
 
@@ -116,7 +134,7 @@ class Chain:
         }
         self.places[count] = complex(length_m)
         self.robots = {number: a_robot(number) for number in self.places}
-        self.slots = {number: gait.Slot() for number in self.places}
+        self.slots = {number: Slot() for number in self.places}
         for number, robot in self.robots.items():
             right = number + 1 if number < count else WALL
             role = "centre" if 1 < number < count else "leader"

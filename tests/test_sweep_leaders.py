@@ -6,11 +6,11 @@ import math
 import numpy as np
 import pytest
 
-from swarm_agent.sweep import gait
+from swarm_agent.sweep import flows, gait, resting
 from swarm_agent.sweep.events import decide
 from swarm_agent.sweep.outlook import Outlook
 from swarm_agent.sweep.radio import GO_BACK, GO_HOME, OTHER, WALL, Side
-from swarm_agent.sweep.robot import Robot
+from swarm_agent.sweep.robot import BARRED_TICKS, Robot
 from tests.sweep_builders import a_robot, flow, meets, sees_walls, stands, wall
 
 
@@ -40,7 +40,7 @@ def led(robot: Robot, degrees: float) -> complex:
     side = robot.wall_side()
     turn = cmath.exp(1j * math.radians(degrees))
     ways = {side: robot.contact, OTHER[side]: -1 / turn if side == "left" else turn}
-    return gait.lead(robot, nothing_ahead(ways), gait.Strides())
+    return gait.lead(robot, nothing_ahead(ways), resting.Strides())
 
 
 @pytest.mark.parametrize(
@@ -160,7 +160,7 @@ def test_two_leaders_at_one_place_of_a_wall_go_back_no_farther(side, apart_m, ro
     assert bool(led(robot, 120)) == goes
 
 
-def strides(robot: Robot, ways: list[complex], taken: gait.Strides) -> list[complex]:
+def strides(robot: Robot, ways: list[complex], taken: resting.Strides) -> list[complex]:
     """What a leader takes of some ways, one a tick."""
     gone = []
     for way in ways:
@@ -173,11 +173,11 @@ TO_AND_FRO = [0.03 + 0j, -0.03 + 0j] * 10
 
 
 def neighbour_moves(robot: Robot) -> None:
-    meets(robot, 3, 1j + gait.RESTED_M)
+    meets(robot, 3, 1j + resting.RESTED_M)
 
 
 def neighbour_trembles(robot: Robot) -> None:
-    meets(robot, 3, 1j + gait.RESTED_M / 2)
+    meets(robot, 3, 1j + resting.RESTED_M / 2)
 
 
 def order_changes(robot: Robot) -> None:
@@ -194,23 +194,23 @@ def comes_close(robot: Robot) -> None:
 )
 def test_a_leader_that_goes_to_and_fro_rests_until_its_neighbour_or_its_order_is_another(what, goes):
     """A line can decide nothing before all of it stands still."""
-    robot, taken = a_leader("left"), gait.Strides()
+    robot, taken = a_leader("left"), resting.Strides()
     meets(robot, 3, 1j)
     gone = strides(robot, TO_AND_FRO, taken)
-    assert all(gone[: gait.TRY_TICKS]) and not any(gone[gait.TRY_TICKS :])
+    assert all(gone[: resting.TRY_TICKS]) and not any(gone[resting.TRY_TICKS :])
     what(robot)
     assert bool(taken.taken(robot, 0.03 + 0j)) == goes
 
 
 def test_a_leader_that_comes_on_however_slowly_does_not_rest():
-    robot, taken = a_leader("left"), gait.Strides()
+    robot, taken = a_leader("left"), resting.Strides()
     meets(robot, 3, 1j)
     assert all(strides(robot, [0.01 + 0j] * 60, taken))
     assert all(strides(robot, [0.05 + 0j, -0.03 + 0j] * 30, taken))
 
 
 def test_a_leader_that_stood_for_a_while_has_not_gone_to_and_fro():
-    robot, taken = a_leader("left"), gait.Strides()
+    robot, taken = a_leader("left"), resting.Strides()
     strides(robot, [0j] * 50, taken)
     assert all(strides(robot, [0.03 + 0j] * 5, taken))
 
@@ -229,3 +229,24 @@ def test_a_line_of_two_that_has_turned_over_does_not_claim_to_be_closed(
     decide(robot, nothing_ahead({"left": 1j, "right": robot.contact}))
     assert robot.halt == dissolves or robot.role == "reserve"
     assert (robot.events == ["dissolve"]) == dissolves
+
+
+def test_a_leader_that_cannot_go_tells_it_after_a_while_and_the_other_one_goes_on():
+    """A dead body lay in the way of the leader whose turn it was, and both stood for ever."""
+    robot, strides = a_leader("left", other_deg=180), resting.Strides()
+    robot.told["right"] = flow(angle_rad=math.pi)
+    ways = {"left": robot.contact, "right": 1j}
+    for number in range(8):
+        meets(robot, 11 + number, 0.2 * cmath.exp(2j * math.pi * number / 8))
+    for tick in range(1, BARRED_TICKS + 2):
+        robot.tick = tick
+        assert gait.lead(robot, nothing_ahead(ways), strides) == 0
+        flows.tell(robot)
+        assert robot.is_barred == robot.flows["left"].barred == (tick > BARRED_TICKS)
+
+
+@pytest.mark.parametrize("barred", [False, True])
+def test_a_leader_lengthens_the_line_by_the_larger_angle_only_if_the_other_one_is_barred(barred):
+    robot = a_leader("left")
+    robot.angle_rad = 2.0
+    assert gait.may_grow(robot, flow(angle_rad=1.0, barred=barred)) == barred

@@ -22,6 +22,7 @@ from swarm_agent.sweep.captain import Captain
 from swarm_agent.sweep.outlook import Outlook, look, obstacle
 from swarm_agent.sweep.radio import WALL, Beacon, Lacking, Spoken
 from swarm_agent.sweep.reserve import Reserve
+from swarm_agent.sweep.resting import Slot, Strides
 from swarm_agent.sweep.robot import Robot
 from wire import codec
 from wire.clearing import Standing
@@ -94,7 +95,7 @@ class SweepLine(Behaviour):
         super().__init__(parameters, configuration, generator)
         self.robot = Robot(configuration, parameters)
         self.beginning, self.captain = Beginning(), Captain()
-        self.reserve, self.slot, self.strides = Reserve(), gait.Slot(), gait.Strides()
+        self.reserve, self.slot, self.strides = Reserve(), Slot(), Strides()
         self._outlook: Outlook | None = None
         self._wanted = 0j
         self._drawn = NOTHING

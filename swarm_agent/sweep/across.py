@@ -5,7 +5,6 @@ import numpy as np
 from swarm_agent.sweep.geometry import clearance_m, unit
 from swarm_agent.sweep.moves import toward
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import BARRIER
 from swarm_agent.sweep.robot import Robot
 
 GAP_M = 0.5  # between two robots is room for a third that goes through
@@ -22,7 +21,7 @@ def back_across(robot: Robot, only_main: bool) -> complex | None:
     `only_main`: not through lines that stand, for it has just gone through one of these.
     """
     main = robot.graph.main
-    links = [link for link in _links(robot) if _far_m(robot, link) < NEAR_M]
+    links = [link for link in robot.links() if _far_m(robot, link) < NEAR_M]
     if only_main:
         links = [link for link in links if main is not None and link[0].beacon.line == main.line]
     if not links:
@@ -39,18 +38,6 @@ def back_across(robot: Robot, only_main: bool) -> complex | None:
     if clearance_m(robot.walls(left, right), robot.here, goal) < WIDTH_M:
         return None
     return toward(robot, goal) or None
-
-
-def _links(robot: Robot) -> list[Link]:
-    """All links of lines, both of whose ends it knows and hold them."""
-    found = []
-    for left in robot.peers.known.values():
-        right = robot.peer(left.beacon.right)
-        if right is None or left.beacon.epoch != robot.epoch or right.beacon.left != left.number:
-            continue
-        if left.beacon.role in BARRIER and right.beacon.role in BARRIER:
-            found.append((left, right))
-    return found
 
 
 def _far_m(robot: Robot, link: Link) -> float:

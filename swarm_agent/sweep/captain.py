@@ -63,6 +63,7 @@ class Captain:
     def _begin(self, robot: Robot) -> None:
         """Of a line that has just split or merged: what it had ordered before is no more."""
         self._since, self._hits, self._has_yielded = robot.since, 0, False
+        self._main_tick = robot.tick
         if robot.order == GO_BACK:
             self._give(robot, GO_ON)
 
@@ -70,8 +71,11 @@ class Captain:
         robot.order, self._order_tick = order, robot.tick
 
     def _measure(self, robot: Robot) -> None:
-        """Tell the graph how many robots the line has, once that has been so for a while."""
-        if robot.told["left"].pinned:
+        """Tell the graph how many robots the line has, once that has been so for a while.
+
+        Not while somebody else of the line is about to write into it: of two at once one would be lost.
+        """
+        if robot.told["left"].pinned or robot.told["left"].meets:
             return
         strike_out(robot)
         if robot.count != self._robots and robot.is_quiet:

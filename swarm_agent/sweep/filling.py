@@ -6,7 +6,7 @@ from swarm_agent.sweep.knots import is_knotted
 from swarm_agent.sweep.links import BARELY_M, ask_in
 from swarm_agent.sweep.moves import toward
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import BARRIER, OTHER, SIDES, WALL, Side
+from swarm_agent.sweep.radio import OTHER, SIDES, WALL, Side
 from swarm_agent.sweep.robot import Robot
 
 DETOUR_M = 0.2
@@ -20,7 +20,9 @@ def fill(robot: Robot, beside: Peer, barred: bool) -> complex | None:
 
     `barred`: it has waited long; then it may stand farther aside from the link.
     """
-    links = _near_wanting(robot, [link for link in _links(robot, beside.beacon.line) if _is_open(*link)])
+    line = beside.beacon.line
+    ours = [link for link in robot.links() if link[0].beacon.line == line and _is_open(*link)]
+    links = _near_wanting(robot, ours)
     for left, right in links:
         detour_m = abs(left.here - robot.here) + abs(right.here - robot.here) - abs(left.here - right.here)
         holds = min(robot.link_m(left, "left"), robot.link_m(right, "right")) >= BARELY_M
@@ -34,16 +36,6 @@ def fill(robot: Robot, beside: Peer, barred: bool) -> complex | None:
         return toward(robot, min(clear, key=lambda place: abs(place - robot.here))) or None
     onward = _onward(robot, beside)
     return toward(robot, onward.here) or None if onward else None
-
-
-def _links(robot: Robot, line: int) -> list[Link]:
-    """All links of a line of which it knows both ends, and both hold them."""
-    found = []
-    for left in robot.peers.known.values():
-        right = robot.peer(left.beacon.right)
-        if left.beacon.role in BARRIER and left.beacon.line == line and right is not None:
-            found += [(left, right)] if right.beacon.left == left.number else []
-    return found
 
 
 def _is_open(left: Peer, right: Peer) -> bool:

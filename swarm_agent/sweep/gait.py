@@ -12,10 +12,11 @@ import numpy as np
 from swarm_agent.sweep import robust, robust_line
 from swarm_agent.sweep.geometry import nearest, one_wall, ray_ends, roll, turn_rad, unit
 from swarm_agent.sweep.links import is_spare
-from swarm_agent.sweep.moves import best, may
+from swarm_agent.sweep.moves import may
 from swarm_agent.sweep.outlook import Outlook
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import GO_BACK, GO_HOME, GO_ON, OTHER, SIDES, Flow, Side
+from swarm_agent.sweep.resting import Slot, Strides
 from swarm_agent.sweep.robot import Robot
 
 STRAIGHT_RAD = 1.8 * math.pi  # larger angles are noise around zero
@@ -28,15 +29,12 @@ ASIDE_DEG = (0, 20, 40, 60, 80, 100, -20, -40, -60)
 FALLEN = 0.04 * np.exp(2j * math.pi / 8 * np.arange(8))  # a dead robot is passed at a little more than a wall
 AT_BODY_M, INSIDE_M, ROOM_M, LEAST_M = 0.34, 0.38, 0.28, 0.1  # is there room behind a dead one?
 APART_M, TOGETHER_M, BACK_M = 0.34, 0.25, 0.5
-REST_M, NEARER_M, TRY_TICKS = 0.025, 0.08, 12
-RESTED_M = 0.08
-REST_TICKS = 10
 TAUT_TICKS = 12
 ANSWER_TICKS = 40
 SETTLED_TICKS = 20  # who has just come in does not know yet whether the line wants it
 
 
-def lead(robot: Robot, outlook: Outlook, strides: "Strides") -> complex:
+def lead(robot: Robot, outlook: Outlook, strides: Strides) -> complex:
     """A leader's way: along its wall, if that shortens the line, or lengthens it less than the other's.
 
     Who would go, and cannot, is barred: then the other leader may go on instead.
@@ -165,71 +163,6 @@ def _go_back(robot: Robot, side: Side, other_rad: float) -> complex:
     if robot.angle_rad <= math.pi / 2 or robot.angle_rad < other_rad - 0.3:
         return 0j
     return _go(robot, along_wall(robot, OTHER[side]), OTHER[side])
-
-
-class Strides:
-    """Whether a leader comes any farther; who goes to and fro rests until its neighbour or its order changes.
-
-    A line can decide nothing before all of it stands still.
-    """
-
-    def __init__(self) -> None:
-        self._trail: list[complex] = []
-        self._rested: tuple[complex, int] | None = None
-
-    def taken(self, robot: Robot, way: complex) -> complex:
-        """The way, or nothing while it rests."""
-        beside = robot.neighbour(OTHER[robot.wall_side()])
-        place = robot.here if beside is None else beside.here
-        if self._rested is not None:
-            moved = abs(place - self._rested[0]) >= RESTED_M
-            if not moved and robot.order == self._rested[1] and not robot.close:
-                return 0j
-            self._rested, self._trail = None, []
-        if way:
-            self._trail = [*self._trail[-TRY_TICKS:], robot.here]
-        if len(self._trail) > TRY_TICKS and abs(self._trail[0] - robot.here) < NEARER_M:
-            self._rested = place, robot.order
-            return 0j
-        return way
-
-
-class Slot:
-    """Where a robot in the middle wants to be, and whether it comes any nearer.
-
-    Who goes to and fro, or pushes against what bars its way, rests until a neighbour has moved on: a line can
-    decide nothing before all of it stands still.
-    """
-
-    def __init__(self) -> None:
-        self._trail: list[complex] = []
-        self._rested: tuple[complex, complex] | None = None
-        self._rest_tick, self._rest_ticks = 0, REST_TICKS
-
-    def way(self, robot: Robot, aims: list[complex], neighbours: tuple[complex, complex]) -> complex:
-        """The way to the first of some places to which there is one; nothing when it is there, or rests."""
-        if self._rested is not None:
-            moved = max(abs(now - then) for now, then in zip(neighbours, self._rested, strict=True))
-            if moved < RESTED_M and not self._tries_again(robot, aims[-1]):
-                return 0j
-            self._rested, self._trail = None, []
-        if abs(aims[0] - robot.here) < REST_M:
-            return 0j
-        self._trail = [*self._trail[-TRY_TICKS:], robot.here]
-        if len(self._trail) > TRY_TICKS and abs(self._trail[0] - robot.here) < NEARER_M:
-            self._rested, self._rest_tick = neighbours, robot.tick
-            return 0j
-        return next((way for aim in aims if (way := best(robot, aim - robot.here))), 0j)
-
-    def _tries_again(self, robot: Robot, aim: complex) -> bool:
-        """On a robust line one who is far from its slot waits for others beyond its neighbours, too."""
-        if not robot.is_robust or abs(aim - robot.here) < NEARER_M:
-            self._rest_ticks = REST_TICKS
-            return False
-        if robot.tick - self._rest_tick < self._rest_ticks:
-            return False
-        self._rest_ticks *= 2
-        return True
 
 
 def keep(robot: Robot, slot: Slot) -> complex:

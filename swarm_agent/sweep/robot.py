@@ -101,6 +101,17 @@ class Robot:
         """The places of the bodies of the dead."""
         return [place for _, place in (*self.bodies.values(), *self.bumps)]
 
+    def links(self) -> list[tuple[Peer, Peer]]:
+        """All links of lines, the left end first, both of whose ends it knows and hold them."""
+        found = []
+        for left in self.peers.known.values():
+            right = self.peer(left.beacon.right)
+            if right is None or left.beacon.epoch != self.epoch or right.beacon.left != left.number:
+                continue
+            if left.beacon.role in BARRIER and right.beacon.role in BARRIER:
+                found.append((left, right))
+        return found
+
     def wall_side(self) -> Side:
         """Of a leader: the side of its wall."""
         return "left" if self.beside["left"] == WALL else "right"
