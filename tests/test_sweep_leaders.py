@@ -14,9 +14,9 @@ from swarm_agent.sweep.robot import BARRED_TICKS, Robot
 from tests.sweep_builders import a_robot, flow, meets, sees_walls, stands, wall
 
 
-def a_leader(side: Side, other_deg: float = 90.0) -> Robot:
+def a_leader(side: Side, other_deg: float = 90.0, **parameters) -> Robot:
     """A leader of the main line at a straight wall below it, told of the other leader's angle."""
-    robot = a_robot()
+    robot = a_robot(**parameters)
     neighbours = (WALL, 3) if side == "left" else (3, WALL)
     stands(robot, "leader", *neighbours)
     sees_walls(robot, wall(-2 - 0.25j, 2 - 0.25j))
@@ -250,3 +250,15 @@ def test_a_leader_lengthens_the_line_by_the_larger_angle_only_if_the_other_one_i
     robot = a_leader("left")
     robot.angle_rad = 2.0
     assert gait.may_grow(robot, flow(angle_rad=1.0, barred=barred)) == barred
+
+
+@pytest.mark.parametrize(("spacing", "tries"), [("plain", False), ("robust", True)])
+def test_a_leader_of_a_robust_line_that_rests_tries_again_when_who_barred_its_way_may_have_gone(
+    spacing, tries
+):
+    """Its shadow stands still until it moves itself, so it would wait for that for ever."""
+    robot, taken = a_leader("left", spacing=spacing), resting.Strides()
+    meets(robot, 3, 1j)
+    assert not strides(robot, TO_AND_FRO, taken)[-1]
+    robot.tick += resting.LEADER_REST_TICKS
+    assert bool(taken.taken(robot, 0.03 + 0j)) == tries

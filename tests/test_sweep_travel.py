@@ -6,10 +6,10 @@ import pytest
 from swarm_agent.sweep.across import back_across
 from swarm_agent.sweep.corner import LEAST_M, Walk, in_corner
 from swarm_agent.sweep.radio import WALL
-from swarm_agent.sweep.reserve import REFUSED_TICKS, Reserve
+from swarm_agent.sweep.reserve import Reserve
 from swarm_agent.sweep.robot import UNRANKED, Robot
 from swarm_agent.sweep.travel import THROUGH_TICKS, Round
-from tests.sweep_builders import a_robot, flow, meets, sees_walls, wall
+from tests.sweep_builders import a_robot, meets, sees_walls, wall
 
 FINE_M = 0.004
 STRAIGHT = wall(-1 - 0.25j, 1 - 0.25j, FINE_M)
@@ -248,49 +248,3 @@ def test_robots_that_follow_each_other_in_a_ring_lose_their_ranks_also_while_the
             made_room += bool(reserve.way(robot))
     assert made_room == 3 * 40
     assert [robot.rank for robot, _ in ring] == [UNRANKED] * 3
-
-
-def asks_after(robot: Robot, reserve: Reserve, ticks: int = 300, want: bool = True) -> int:
-    """After how many ticks a robot asks into a link before it that wants one more; 0 if it never does."""
-    told = {"from_left": flow(want=want), "from_right": flow(want=want)}
-    for after in range(1, ticks):
-        robot.tick += 1
-        meets(robot, 3, -0.5 + 0.05j, "leader", left=WALL, right=4, **told)
-        meets(robot, 4, 0.5 + 0.05j, "leader", left=3, right=WALL, **told)
-        reserve.way(robot)
-        if robot.role == "joining":
-            return after
-    return 0
-
-
-def refused(robot: Robot, reserve: Reserve) -> None:
-    robot.become("reserve")
-    reserve.refused(robot)
-
-
-def a_spare() -> tuple[Robot, Reserve]:
-    robot = a_robot()
-    robot.graph.begin(2)
-    robot.become("reserve")
-    return robot, Reserve()
-
-
-def test_who_was_refused_by_a_line_waits_longer_each_time_before_it_asks_again():
-    robot, reserve = a_spare()
-    first = asks_after(robot, reserve)
-    assert 0 < first < 10
-    waits = []
-    for _ in range(3):
-        refused(robot, reserve)
-        waits.append(asks_after(robot, reserve))
-    assert waits == [REFUSED_TICKS, 2 * REFUSED_TICKS, 3 * REFUSED_TICKS]
-
-
-def test_who_was_refused_is_patient_anew_when_the_line_has_wanted_nobody_meanwhile():
-    robot, reserve = a_spare()
-    for _ in range(3):
-        refused(robot, reserve)
-    assert asks_after(robot, reserve, 3 * REFUSED_TICKS, want=False) == 0
-    assert 0 < asks_after(robot, reserve) < 10
-    refused(robot, reserve)
-    assert asks_after(robot, reserve) == REFUSED_TICKS

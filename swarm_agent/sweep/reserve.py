@@ -62,18 +62,19 @@ class Reserve:
         robot.ahead = leader.number if leader else NOBODY
         robot.rank = _rank(robot, leader)
         robot.tail = min(MOST_TAIL, 1 + _followers(robot))
-        room = _make_room(robot, robot.is_robust and self._asked[0])
+        ours = leader is not None and is_ours(robot, leader)
+        room = _make_room(robot, robot.is_robust and ours and _is_wanted(leader))
         if room:
             return room
-        across = back_across(robot, self.round.goes_through(robot))
-        if across is not None:
-            return across
+        way = self._come_in(robot, leader) if ours and robot.is_robust else None  # behind may be no room yet
+        if way is None:
+            way = back_across(robot, self.round.goes_through(robot))
+        if way is None and ours and not robot.is_robust:
+            way = self._come_in(robot, leader)
+        if way is not None:
+            return way
         if leader is None:
             return self._carry_word(robot) if carries else self._travel(robot)
-        if is_ours(robot, leader):
-            way = self._come_in(robot, leader)
-            if way is not None:
-                return way
         return _follow(robot, leader)
 
     def _carry_word(self, robot: Robot) -> complex:
@@ -110,7 +111,7 @@ class Reserve:
         """Ask into a link beside that robot, if the line wants one more; or go to where that can be done."""
         beacon = beside.beacon
         flows = [flow for flow in (beacon.from_left, beacon.from_right) if flow]
-        wanted, count = any(flow.want for flow in flows), sum(flow.count for flow in flows)
+        wanted, count = _is_wanted(beside), sum(flow.count for flow in flows)
         asked = (wanted, count, beside.number)
         if asked != self._asked:
             if not wanted:
@@ -141,6 +142,11 @@ class Reserve:
         if not middles:
             return None
         return toward(robot, min(middles, key=lambda place: abs(place - robot.here))) or None
+
+
+def _is_wanted(beside: Peer) -> bool:
+    """Does its line want one more robot?"""
+    return any(flow and flow.want for flow in (beside.beacon.from_left, beside.beacon.from_right))
 
 
 def _is_homing(robot: Robot) -> bool:

@@ -6,15 +6,19 @@ from swarm_agent.sweep.robot import Robot
 
 REST_M, NEARER_M, TRY_TICKS = 0.025, 0.08, 12
 RESTED_M = 0.08
-REST_TICKS = 10
+REST_TICKS, LEADER_REST_TICKS = 10, 60
 
 
 class Strides:
-    """Whether a leader comes any farther; else it rests until its neighbour or its order changes."""
+    """Whether a leader comes any farther; else it rests until its neighbour or its order changes.
+
+    On a robust line also for a while only, each time a longer one: those who barred its way may have gone.
+    """
 
     def __init__(self) -> None:
         self._trail: list[complex] = []
         self._rested: tuple[complex, int] | None = None
+        self._rest_tick, self._rest_ticks = 0, LEADER_REST_TICKS
 
     def taken(self, robot: Robot, way: complex) -> complex:
         """The way, or nothing while it rests."""
@@ -22,13 +26,15 @@ class Strides:
         place = robot.here if beside is None else beside.here
         if self._rested is not None:
             moved = abs(place - self._rested[0]) >= RESTED_M
-            if not moved and robot.order == self._rested[1] and not robot.close:
+            over = robot.is_robust and robot.tick - self._rest_tick >= self._rest_ticks
+            if not moved and robot.order == self._rested[1] and not robot.close and not over:
                 return 0j
+            self._rest_ticks = LEADER_REST_TICKS if moved else 2 * self._rest_ticks
             self._rested, self._trail = None, []
         if way:
             self._trail = [*self._trail[-TRY_TICKS:], robot.here]
         if len(self._trail) > TRY_TICKS and abs(self._trail[0] - robot.here) < NEARER_M:
-            self._rested = place, robot.order
+            self._rested, self._rest_tick = (place, robot.order), robot.tick
             return 0j
         return way
 
