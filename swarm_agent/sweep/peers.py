@@ -109,7 +109,8 @@ class Peers:
         """Bearings of all that was heard now, and the last one of who was not: what was said may be lost."""
         self._own, self._eye, self._dead_ticks = own, eye, dead_ticks
         self._trace: dict[int, complex] = {}
-        self._bearings: dict[tuple[int, int], float] = {}
+        self._bearings: dict[int, dict[int, float]] = {}
+        """By the tick in which a frame was sent, and the number of who sent it."""
         self._turns: dict[int, complex] = {}
 
     def take(self, tick: int, moved: complex, heard: Sequence[Heard]) -> None:
@@ -118,10 +119,10 @@ class Peers:
         self._trace[tick - 1] = self.here
         oldest = tick - REMEMBERED_TICKS
         self._trace = {at: place for at, place in self._trace.items() if at > oldest}
-        self._bearings = {key: one for key, one in self._bearings.items() if key[1] > oldest}
+        self._bearings = {at: one for at, one in self._bearings.items() if at > oldest}
         now = tuple(Measured(number_of(one.sender), one.sent_tick, one.bearing_rad) for one in heard)
         for told, one in zip(now, heard, strict=True):
-            self._bearings[told.number, told.tick] = told.bearing_rad
+            self._bearings.setdefault(told.tick, {})[told.number] = told.bearing_rad
             self._meet(told.number, one)
         last = {one.number: one for one in self.measured if tick - one.tick <= self._dead_ticks}
         missed = last.keys() - {one.number for one in now}
@@ -133,12 +134,16 @@ class Peers:
 
     def _was_at(self, tick: int) -> complex:
         """Its own place when a tick was over: it moves only when granted, so the next one known is it."""
+        if tick in self._trace:
+            return self._trace[tick]
         return self._trace[min(at for at in self._trace if at >= tick)]
 
     def _meet(self, sender: int, one: Heard) -> None:
         for measured in one.message.measured:
-            mine = self._bearings.get((sender, measured.tick))
-            if measured.number == self._own and mine is not None:
+            if measured.number != self._own:
+                continue
+            mine = self._bearings.get(measured.tick, {}).get(sender)
+            if mine is not None:
                 self._turns[sender] = cmath.rect(1.0, mine + math.pi - measured.bearing_rad)
         before = self.known.get(sender)
         if sender not in self._turns or (before is not None and before.tick > one.sent_tick):

@@ -44,7 +44,7 @@ class Extent(NamedTuple):
     random_s: float
 
 
-FULL = Extent(8, 6, 13, 3, 3600.0, 32, (5, 6, 7, 8), 1800.0)
+FULL = Extent(8, 6, 13, 3, 5400.0, 32, (5, 6, 7, 8), 1800.0)
 QUICK = Extent(2, 10, 10, 0, 600.0, 3, (6, 8), 600.0)
 
 
