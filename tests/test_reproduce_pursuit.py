@@ -51,7 +51,7 @@ def test_the_full_study_has_every_team_at_every_place_and_every_start_has_room_f
     cave = study.grounds[0]
     for place in range(1, 9):
         given = plan.Trial(cave, place, 16, 1).scenario()
-        assert given.faults == () and given.sensors.referee == "both" and given.duration_s == 3600
+        assert given.faults == () and given.sensors.referee == "both" and given.duration_s == 5400
         assert given.robots.start == Cluster(*plan.places(cave)[place - 1])
         assert given.robots.parameters["team"] == 16
     last = plan.Trial(study.grounds[-1], 8, 8, 2).scenario()

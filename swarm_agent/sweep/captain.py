@@ -2,8 +2,8 @@
 
 First the line steps back until one robot is free, and bends forward at one robot after the other in search of
 an obstacle. If there is none, it stands, and another line takes over; if none can, all that is clear is given
-up and the team begins again elsewhere. A line that is to split, and has nobody to come beside its pivot, steps
-back so that its own robots can.
+up and the team begins again elsewhere. A line that is to split, and has nobody to come beside its pivot,
+steps back so that its own robots can.
 """
 
 from swarm_agent.sweep.events import strike_out

@@ -40,7 +40,7 @@ class Strides:
 
 
 class Slot:
-    """Whether a robot in the middle comes nearer to its slot; else it rests until a neighbour has moved on."""
+    """Whether one in the middle comes nearer to its slot; else it rests until a neighbour has moved on."""
 
     def __init__(self) -> None:
         self._trail: list[complex] = []
