@@ -160,6 +160,18 @@ def test_two_leaders_at_one_place_of_a_wall_go_back_no_farther(side, apart_m, ro
     assert bool(led(robot, 120)) == goes
 
 
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize(("apart_m", "line", "goes"), [(0.45, 0, False), (0.55, 0, True), (0.45, 7, True)])
+def test_nor_do_they_with_a_robot_between_them(side, apart_m, line, goes):
+    """A line of three that went home turned over so, and claimed that all was clear."""
+    robot = a_leader(side, 120.0)
+    robot.order = GO_BACK
+    behind = 1 if side == "left" else -1
+    meets(robot, 3, behind * apart_m / 2 + 0.3j)
+    meets(robot, 4, behind * apart_m + 0.3j, "leader", wall_y_m=-0.55, line=line, **{OTHER[side]: WALL})
+    assert bool(led(robot, 120)) == goes
+
+
 def strides(robot: Robot, ways: list[complex], taken: resting.Strides) -> list[complex]:
     """What a leader takes of some ways, one a tick."""
     gone = []

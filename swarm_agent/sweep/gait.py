@@ -15,7 +15,7 @@ from swarm_agent.sweep.links import is_spare
 from swarm_agent.sweep.moves import may
 from swarm_agent.sweep.outlook import Outlook
 from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.radio import GO_BACK, GO_HOME, GO_ON, OTHER, SIDES, Flow, Side
+from swarm_agent.sweep.radio import GO_BACK, GO_HOME, GO_ON, OTHER, SIDES, WALL, Flow, Side
 from swarm_agent.sweep.resting import Slot, Strides
 from swarm_agent.sweep.robot import Robot
 
@@ -157,9 +157,11 @@ def _go_back(robot: Robot, side: Side, other_rad: float) -> complex:
 
     Two leaders at one place of a wall stay there: who went on would turn the line over, front to back.
     """
-    other = robot.neighbour(OTHER[side])
-    if other is not None and other.beacon.role == "leader" and abs(other.wall - robot.contact) < BACK_M:
-        return 0j
+    for peer in robot.peers.known.values():
+        ends_ours = peer.beacon.line == robot.line and peer.beacon.beside(OTHER[side]) == WALL
+        is_other = peer.number == robot.beside[OTHER[side]] or ends_ours  # robots may stand between the two
+        if peer.beacon.role == "leader" and is_other and abs(peer.wall - robot.contact) < BACK_M:
+            return 0j
     if robot.angle_rad <= math.pi / 2 or robot.angle_rad < other_rad - 0.3:
         return 0j
     return _go(robot, along_wall(robot, OTHER[side]), OTHER[side])
