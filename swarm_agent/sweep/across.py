@@ -4,15 +4,12 @@ import numpy as np
 
 from swarm_agent.sweep.geometry import clearance_m, unit
 from swarm_agent.sweep.moves import toward
-from swarm_agent.sweep.peers import Peer
-from swarm_agent.sweep.robot import Robot
+from swarm_agent.sweep.robot import Link, Robot
 
 GAP_M = 0.5  # between two robots is room for a third that goes through
 BESIDE_M, NEAR_M = 0.35, 1.0
 WIDTH_M = 0.12
 MIDDLE = 0.25  # of a link, to both sides of its middle: there one may go through
-
-Link = tuple[Peer, Peer]
 
 
 def back_across(robot: Robot, only_main: bool) -> complex | None:

@@ -7,12 +7,11 @@ from swarm_agent.sweep.links import BARELY_M, ask_in
 from swarm_agent.sweep.moves import toward
 from swarm_agent.sweep.peers import Peer
 from swarm_agent.sweep.radio import OTHER, SIDES, WALL, Side
-from swarm_agent.sweep.robot import Robot
+from swarm_agent.sweep.robot import Link, Robot
 
 DETOUR_M = 0.2
 ROOM_M = 0.12  # free space on both sides of the way to a link
 HOPS = 2
-Link = tuple[Peer, Peer]
 
 
 def fill(robot: Robot, beside: Peer, barred: bool) -> complex | None:

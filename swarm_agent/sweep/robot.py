@@ -20,8 +20,10 @@ from wire.messages import Configuration
 BENDS, BEND_M = 7, 0.08  # places tried for a link around a corner, and how far apart they are
 SIGHT_M = 0.06  # free space that a line of sight needs on both sides
 UNRANKED, NEVER = 9999, -1_000_000
-BARRED_TICKS = 20
+BARRED_TICKS = 20  # a leader that somebody walks past is not barred
 WORN_M = 0.02  # of the range: rounding of what is told, and the rays' distance
+
+Link = tuple[Peer, Peer]
 
 
 class Robot:
@@ -101,7 +103,7 @@ class Robot:
         """The places of the bodies of the dead."""
         return [place for _, place in (*self.bodies.values(), *self.bumps)]
 
-    def links(self) -> list[tuple[Peer, Peer]]:
+    def links(self) -> list[Link]:
         """All links of lines, the left end first, both of whose ends it knows and hold them."""
         found = []
         for left in self.peers.known.values():
